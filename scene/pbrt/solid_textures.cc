@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <glm/gtc/constants.hpp>
 #include <map>
 #include <set>
 #include <utility>
@@ -65,6 +66,23 @@ std::optional<Pair> ConstantPair(PbrtReader& reader, PbrtParameters& parameters,
     *color = found.value_or(*color);
   }
   return pair;
+}
+
+// Returns the (u, v) that a mapping gives to places of the texture's space. u of a sphere is its
+// polar angle, v of a cylinder its height, in pbrt-v3 that of the unit sphere.
+using UvOfPlace = std::function<glm::dvec2(const glm::dvec3&)>;
+UvOfPlace MappingInSpace(PbrtParameters& parameters, std::string_view mapping, bool v3) {
+  if (mapping == "planar") {
+    const glm::dvec3 along = FindVector(parameters, "v1", {1, 0, 0});
+    const glm::dvec3 across = FindVector(parameters, "v2", {0, 1, 0});
+    return [=](const glm::dvec3& p) { return glm::dvec2(glm::dot(p, along), glm::dot(p, across)); };
+  }
+  return [v3, sphere = mapping == "spherical"](const glm::dvec3& p) {
+    const double turn = std::atan2(p.y, p.x) / glm::two_pi<double>(), length = glm::length(p);
+    const double height = length > 0 ? std::clamp(p.z / length, -1.0, 1.0) : 0;
+    if (sphere) return glm::dvec2(std::acos(height) / glm::pi<double>(), turn - std::floor(turn));
+    return glm::dvec2(0.5 + turn, v3 ? height : p.z);
+  };
 }
 
 // A texel of an image on a surface.
@@ -226,8 +244,11 @@ void BakeParameter(const PbrtSolidParameter& solid, const Bake& bake, Scene& sce
         AddSurfaceTexture(scene, std::move(normals), TextureUse::kNormals, bake.one_level);
     return;
   }
-  const std::uint32_t texture = AddSurfaceTexture(scene, bake.image(ShareAt(*solid.value)),
-                                                  TextureUse::kColor, bake.one_level);
+  const bool opacity = solid.use == PbrtSolidUse::kOpacity;
+  const std::uint32_t texture =
+      AddSurfaceTexture(scene, bake.image(ShareAt(*solid.value)),
+                        opacity ? TextureUse::kOpacity : TextureUse::kColor, bake.one_level);
+  if (opacity) material.opacity_texture = texture;
   if (solid.use == PbrtSolidUse::kReflectance) material.color_texture = texture;
   if (solid.use == PbrtSolidUse::kRoughness) material.roughness_texture = texture;
   if (solid.use == PbrtSolidUse::kShare) material.mixture_texture = texture;
@@ -377,17 +398,20 @@ PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
       evaluations);
 }
 
-PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const PbrtTexture& texture) {
-  const glm::dvec3 along = FindVector(parameters, "v1", {1, 0, 0});
-  const glm::dvec3 across = FindVector(parameters, "v2", {0, 1, 0});
+bool IsPbrtMappingInSpace(std::string_view mapping) {
+  return mapping == "planar" || mapping == "spherical" || mapping == "cylindrical";
+}
+
+PbrtTexture LayInSpace(PbrtReader& reader, PbrtParameters& parameters, std::string_view mapping,
+                       const PbrtTexture& texture) {
+  const UvOfPlace uv_of = MappingInSpace(parameters, mapping, reader.v3);
   if (!texture.image) return texture;
   const Texture source = reader.scene.textures[*texture.image];
   const auto image = std::make_shared<const Image>(reader.scene.images[source.image]);
   return SolidTexture(
       [=, factor = texture.value.value_or(glm::vec3(1)), to_texture = TextureFromWorld(reader)](
           const glm::dvec3& place, const glm::dvec3&) {
-        const glm::dvec3 at(to_texture * glm::dvec4(place, 1));
-        const glm::dvec3 uv(glm::dot(at, along), glm::dot(at, across), 1);
+        const glm::dvec3 uv(uv_of(glm::dvec3(to_texture * glm::dvec4(place, 1))), 1);
         return factor * LookUpImage(*image, source, glm::dmat3x2(source.transform) * uv);
       });
 }
@@ -396,8 +420,8 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
                                  const PbrtSolidShape& shape, Mesh& mesh) {
   const bool patch = IsRoundPbrtShape(shape.type);
   std::set<std::uint32_t> counted;
-  const std::size_t images = CountSolids(reader, named, counted);
-  assert(images > 0);  // only materials that vary in space, or of which a part does, get here
+  const std::size_t images = CountSolids(reader, named, counted) + (shape.alpha ? 1 : 0);
+  assert(images > 0);  // only shapes on which something varies in space get here
   const std::size_t left = kMaxBakedTexels - std::min(kMaxBakedTexels, reader.baked_texels);
   TriangleAtlas atlas;
   if (!patch && !shape.fixed_uvs) {
@@ -421,7 +445,12 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
     }
   }
   std::map<std::uint32_t, std::uint32_t> copies;
-  return CopyWithSolids(reader, named, material, bake, copies);
+  const std::uint32_t index = CopyWithSolids(reader, named, material, bake, copies);
+  if (!shape.alpha || !bake) return index;
+  Material copy = reader.scene.materials[index];
+  BakeParameter({.use = PbrtSolidUse::kOpacity, .value = shape.alpha}, *bake, reader.scene, copy);
+  reader.scene.materials.push_back(std::move(copy));
+  return std::uint32_t(reader.scene.materials.size() - 1);
 }
 
 }  // namespace skywave

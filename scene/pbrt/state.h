@@ -35,9 +35,10 @@ struct PbrtAreaLight {
 using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
 using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
 
-// A parameter of a material that varies in space: the factor of the reflectance, the square root of
-// alpha, the height of the surface, or the share of the second of two materials.
-enum class PbrtSolidUse { kReflectance, kRoughness, kHeight, kShare };
+// A parameter that varies in space: of a material, the factor of the reflectance, the square root
+// of alpha, the height of the surface, or the share of the second of two materials; of a shape, the
+// opacity.
+enum class PbrtSolidUse { kReflectance, kRoughness, kHeight, kShare, kOpacity };
 struct PbrtSolidParameter {
   PbrtSolidUse use;
   std::shared_ptr<const PbrtSolid> value;

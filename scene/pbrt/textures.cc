@@ -73,23 +73,29 @@ TexelEncoding EncodingOf(PbrtReader& reader, PbrtParameters& parameters, const s
   return {};
 }
 
-// The mapping of (u, v), or nothing, with a warning, for mappings that do not use them.
+std::string MappingName(PbrtParameters& parameters) {
+  return FindString(parameters, "mapping").value_or("uv");
+}
+
+// The mapping of (u, v), or of what a mapping in space has in their place; nothing, with a warning,
+// for mappings that are not known.
 struct UvMapping {
-  glm::vec2 scale, offset;
+  glm::vec2 scale{1, 1}, offset{0, 0};
 };
 std::optional<UvMapping> MappingOf(PbrtReader& reader, PbrtParameters& parameters) {
-  const std::string mapping = FindString(parameters, "mapping").value_or("uv");
-  if (mapping != "uv" && mapping != "planar") {
+  const std::string name = MappingName(parameters);
+  if (name != "uv" && !IsPbrtMappingInSpace(name)) {
     Warn(reader, parameters,
-         fmt::format("the mapping \"{}\" is not supported: its users take their default", mapping));
+         fmt::format("the mapping \"{}\" is unknown: its users take their default", name));
     return std::nullopt;
   }
-  const auto number = [&](const char* name, float otherwise) {
-    return FindFloat(parameters, name).value_or(otherwise);
+  const auto number = [&](const char* parameter, float otherwise) {
+    return FindFloat(parameters, parameter).value_or(otherwise);
   };
-  const glm::vec2 offset(number("udelta", 0), number("vdelta", 0));
-  if (mapping == "planar") return UvMapping{{1, 1}, offset};
-  return UvMapping{{number("uscale", 1), number("vscale", 1)}, offset};
+  UvMapping mapping;
+  if (name == "uv") mapping.scale = {number("uscale", 1), number("vscale", 1)};
+  if (name == "uv" || name == "planar") mapping.offset = {number("udelta", 0), number("vdelta", 0)};
+  return mapping;
 }
 
 PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::vec3& factor) {
@@ -403,15 +409,15 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
                                            parameters.directive, type));
   }
   PbrtTextures& textures = type == "float" ? reader.float_textures : reader.color_textures;
-  const PbrtParameter* const mapping = Find(parameters, {"string"}, "mapping");
-  const bool planar = mapping && mapping->strings == std::vector<std::string>{"planar"};
+  const std::string mapping = MappingName(parameters);
+  const bool in_space = IsPbrtMappingInSpace(mapping);
   // Operands lie over (u, v), whatever the checks do.
-  if (planar && HasImageOperand(parameters, textures)) {
+  if (in_space && HasImageOperand(parameters, textures)) {
     textures[name] = {};
     AddWarning(reader.warnings, position,
-               parameters.directive +
-                   ": the mapping \"planar\" is not supported for textures of textures: its users "
-                   "take their default");
+               fmt::format("{}: the mapping \"{}\" is not supported for textures of textures: its "
+                           "users take their default",
+                           parameters.directive, mapping));
     return;
   }
   PbrtTexture texture;
@@ -427,7 +433,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Checkerboard(reader, parameters, textures);
   } else if (kind == "bilerp") {
     texture = Bilerp(reader, parameters, textures);
-  } else if (kind == "dots" && !planar) {
+  } else if (kind == "dots" && !in_space) {
     texture = Dots(reader, parameters, textures);
   } else if (kind == "fbm" || kind == "windy" || kind == "wrinkled") {
     texture = ReadNoise(reader, parameters, kind);
@@ -441,7 +447,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
                parameters.directive + " is not supported: its users take their default");
     return;
   }
-  textures[name] = planar ? LayOnPlane(reader, parameters, texture) : texture;
+  textures[name] = in_space ? LayInSpace(reader, parameters, mapping, texture) : texture;
   ReportUnused(parameters, reader.warnings);
 }
 

@@ -138,8 +138,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   };
   std::optional<std::uint32_t> material = reader.state.material;
   const std::optional<std::uint32_t> named = material;
-  const bool varies = named && reader.solid_materials.contains(*named);
-  if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
+  const auto alpha = FindSolidTexture(parameters, "alpha", reader.float_textures);
+  const bool varies = named && (alpha || reader.solid_materials.contains(*named));
+  if (material && !alpha) material = MaterialWithPbrtAlpha(reader, parameters, *material);
   const auto& lamp = reader.state.area_light;
   std::set<std::uint32_t> seen;
   const bool fixed_uvs =
@@ -164,7 +165,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     FlipOrientation(mesh);
   }
   if (varies && !mesh.triangles.empty()) {
-    material = MaterialWithSolids(reader, *named, *material, {type, position, fixed_uvs}, mesh);
+    material =
+        MaterialWithSolids(reader, *named, *material,
+                           {type, position, fixed_uvs, alpha ? alpha->solid : nullptr}, mesh);
   }
   mesh.material = ShiningPbrtMaterial(reader, *material, mesh, shape->faces, position);
   mesh.name = fmt::format("{} ({})", type, ToString(position));

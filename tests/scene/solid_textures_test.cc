@@ -520,6 +520,96 @@ TEST(SolidTextures, PlanarChecks) {
   });
 }
 
+// The angle around the z axis of the texture's space [turns, from 0 to 1], and its other
+// coordinates: the polar angle [half turns], the height, and that on the unit sphere.
+struct RoundPlace {
+  double turn, polar, height, unit_height;
+};
+RoundPlace Around(const Place& place) {
+  // The space is turned by a quarter: its z is -y, its y is z.
+  const glm::dvec3 p = (glm::dvec3(place.position) - glm::dvec3(.1, 0, .2)) / 2.0;
+  const double angle = std::atan2(p.z, p.x) / (2 * 3.14159265358979);
+  const double length = glm::length(p), height = -p.y;
+  return {angle < 0 ? angle + 1 : angle, std::acos(height / length) / 3.14159265358979, height,
+          height / length};
+}
+
+// Four colours show u in red and v in green, from 0 to 1. As in pbrt-v4, u of a sphere is its polar
+// angle, and v of a cylinder the height, which is that of the unit sphere in pbrt-v3.
+TEST(SolidTextures, LieAroundAnAxis) {
+  const auto places = [](const std::string& mapping, const char* shape, const char* end) {
+    return Places(ParseAll("AttributeBegin Translate .1 0 .2 Scale 2 2 2 Rotate 90 1 0 0 Texture "
+                           "\"t\" \"spectrum\" \"bilerp\" \"string mapping\" \"" +
+                           mapping +
+                           "\" \"rgb v00\" [0 0 1] \"rgb v10\" [1 0 1] \"rgb v01\" [0 1 1] "
+                           "\"rgb v11\" [1 1 1] AttributeEnd Material \"diffuse\" \"texture "
+                           "reflectance\" \"t\" " +
+                           shape + end),
+                  shape == std::string("Shape \"sphere\"") ? 1 : 1500);
+  };
+  for (const char* shape : {"Shape \"sphere\"",
+                            "Shape \"trianglemesh\" \"point3 P\" [-2 -1.9 1.3 2 -1.5 1.2 1 .5 -2.9 "
+                            "-1 1.2 -1.4] \"integer indices\" [0 1 2 0 2 3]"}) {
+    SCOPED_TRACE(shape);
+    int seen = 0;
+    const auto near_seam = [](double turn) { return std::abs(turn - std::round(turn)) < 0.03; };
+    for (const Place& place : places("spherical", shape, "")) {
+      const RoundPlace at = Around(place);
+      if (near_seam(at.turn) || at.polar < 0.1 || at.polar > 0.9) continue;
+      ++seen;
+      ASSERT_NEAR(place.color.x, at.polar, 0.01);
+      ASSERT_NEAR(place.color.y, at.turn, 0.01);
+    }
+    EXPECT_GT(seen, 1000);
+    for (const bool v3 : {false, true}) {
+      int above = 0;
+      for (const Place& place : places("cylindrical", shape, v3 ? " WorldEnd" : "")) {
+        const RoundPlace at = Around(place);
+        const double u = at.turn < 0.5 ? at.turn + 0.5 : at.turn - 0.5;
+        if (near_seam(u) || at.polar < 0.1 || at.polar > 0.9) continue;
+        const double v = v3 ? at.unit_height : at.height;
+        above += v > 0.1;
+        ASSERT_NEAR(place.color.x, u, 0.01);
+        ASSERT_NEAR(place.color.y, Clamped(v), 0.01);
+      }
+      EXPECT_GT(above, 300);
+    }
+  }
+}
+
+// The alpha of a shape is its own: another shape of the same material is opaque. What varies on
+// the material lies over the same (u, v).
+TEST(SolidTextures, MakeShapesTransparent) {
+  const std::string textures =
+      "Texture \"n\" \"float\" \"wrinkled\" \"integer octaves\" 2 Texture \"c\" \"spectrum\" "
+      "\"checkerboard\" \"integer dimension\" 3 \"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] ";
+  for (const char* shape :
+       {"Shape \"sphere\"", "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9]"}) {
+    for (const char* reflectance :
+         {"\"rgb reflectance\" [.2 .3 .4]", "\"texture reflectance\" \"c\""}) {
+      SCOPED_TRACE(fmt::format("{}, {}", shape, reflectance));
+      const bool checks = std::string(reflectance).starts_with("\"texture");
+      const Scene scene = ParseAll(textures + "Material \"diffuse\" " + reflectance + " " + shape +
+                                   " \"texture alpha\" \"n\" Shape \"sphere\"");
+      EXPECT_TRUE(scene.materials[scene.meshes.at(1).material].opaque());
+      const Material& material = scene.materials[scene.meshes.at(0).material];
+      ASSERT_TRUE(material.opacity_texture);
+      EXPECT_EQ(scene.textures[*material.opacity_texture].use, TextureUse::kOpacity);
+      EXPECT_EQ(material.opacity, 1);
+      for (const Place& p : Places(scene, 99, &Material::opacity_texture)) {
+        const glm::dvec3 at(p.position);
+        const double sum =
+            std::abs(GradientNoise(at)) + 0.5 * std::abs(GradientNoise(1.99 * at)) + 0.2 * 0.25;
+        ASSERT_NEAR(p.color.x, Clamped(sum), 0.03);
+      }
+      EXPECT_EQ(material.color_texture.has_value(), checks);
+      if (!checks) continue;
+      ExpectChecks(Places(scene, 99), 0.02, {1, .5f, 0}, {0, 0, 1},
+                   [](const Place& place) { return place.position; });
+    }
+  }
+}
+
 // Dots are disks of radius 0.35, each within its cell around whole numbers.
 TEST(Dots, AreDisksInCells) {
   constexpr int kCells = 24, kSteps = 40;

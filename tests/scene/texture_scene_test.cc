@@ -70,7 +70,7 @@ TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
 TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
   const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
   for (const std::string& texture :
-       {image + " \"string mapping\" \"spherical\"", image + " \"string wrap\" \"black\"",
+       {image + " \"string mapping\" \"conical\"", image + " \"string wrap\" \"black\"",
         std::string("\"checkerboard\" \"integer dimension\" 4"), std::string("\"ptex\"")}) {
     const Scene scene =
         Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
