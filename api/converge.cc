@@ -4,7 +4,7 @@
 #include "api/errors.h"
 #include "api/state.h"
 #include "job/options.h"
-#include "measure/converge/run.h"
+#include "bench/measure/converge/run.h"
 
 namespace skywave::api {
 

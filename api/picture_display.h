@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string>
 
-#include "display/tev.h"
+#include "api/display/tev.h"
 #include "job/picture.h"
 #include "wavefront/film/film.h"
 #include "wavefront/stages/stages.h"

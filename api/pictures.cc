@@ -10,7 +10,7 @@
 #include "lights/maps/sphere_map.h"
 #include "lights/probe/probe_info.h"
 #include "lights/probe/probe_map.h"
-#include "measure/json_reports.h"
+#include "bench/measure/json_reports.h"
 
 namespace skywave::api {
 namespace {

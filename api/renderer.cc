@@ -15,7 +15,7 @@
 #include "base/version.h"
 #include "job/options.h"
 #include "job/watch.h"
-#include "measure/render_report.h"
+#include "bench/measure/render_report.h"
 #include "scene/embree.h"
 #include "scene/instances.h"
 

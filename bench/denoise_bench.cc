@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 
 namespace skywave {
 namespace {

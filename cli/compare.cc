@@ -11,8 +11,8 @@
 #include "cli/print.h"
 #include "image/compare.h"
 #include "image/flip.h"
-#include "measure/json_reports.h"
-#include "measure/picture_noise.h"
+#include "bench/measure/json_reports.h"
+#include "bench/measure/picture_noise.h"
 
 namespace skywave {
 

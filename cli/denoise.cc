@@ -12,7 +12,7 @@
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/print.h"
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 #include "job/exposure.h"
 #include "job/picture.h"
 

@@ -12,7 +12,7 @@
 #include "base/granted.h"
 #include "base/version.h"
 #include "cli/print.h"
-#include "measure/revision.h"
+#include "bench/measure/revision.h"
 #include "scene/embree.h"
 #include "skywave/skywave.h"
 

@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "job/option.h"
 #include "job/watch.h"
-#include "measure/progress_text.h"
+#include "bench/measure/progress_text.h"
 
 namespace skywave {
 

@@ -15,7 +15,7 @@
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "display/tev.h"
+#include "api/display/tev.h"
 #include "job/exposure.h"
 #include "job/limits.h"
 #include "job/map_sequence.h"

@@ -1,4 +1,4 @@
-# Writes GitRevision (measure/revision.h) to OUTPUT for the sources in SOURCE; leaves the file alone
+# Writes GitRevision (bench/measure/revision.h) to OUTPUT for the sources in SOURCE; leaves the file alone
 # where nothing has changed:  cmake -DSOURCE=... -DOUTPUT=... -P cmake/revision.cmake
 set(revision "")
 find_program(GIT git)
@@ -17,7 +17,7 @@ if(revision STREQUAL "")
   set(revision unknown)
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
-#include "measure/revision.h"
+#include "bench/measure/revision.h"
 
 std::string skywave::GitRevision() { return "@revision@"; }
 ]])

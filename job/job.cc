@@ -12,7 +12,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/granted.h"
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 #include "job/choose_camera.h"
 #include "job/map_sequence.h"
 #include "job/options.h"

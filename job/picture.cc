@@ -12,7 +12,7 @@
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 
 namespace skywave {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 #include "scene/warnings.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_checks.h"

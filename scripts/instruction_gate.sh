@@ -4,7 +4,7 @@
 # tests/baselines/instructions.txt; fails if one differs by more than 0.5 %, in either direction:
 #   scripts/instruction_gate.sh [PROGRAM]                     default: build/release/skywave
 #   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   stores new counts with the reason
-# `skywave bench SCENE --instructions` counts (measure/instructions.h). Counts depend on the
+# `skywave bench SCENE --instructions` counts (bench/measure/instructions.h). Counts depend on the
 # compiler and on the versions of Embree, Highway and valgrind: if these differ from the baseline's,
 # the gate is skipped, as it is without valgrind or AVX2 (exit code 77).
 set -euo pipefail

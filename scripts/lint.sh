@@ -46,14 +46,14 @@ sed -E 's/ -Winvalid-pch//; s/ -fpch-preprocess//; s/ -include [^ ]*cmake_pch\.h
 units=()
 named=
 if [[ ${2:-} == all ]]; then
-  mapfile -t units < <(git ls-files '*.cc' ':!tools' ':!tests/fuzz/libfuzzer.cc')
+  mapfile -t units < <(git ls-files '*.cc' ':!scripts/tables' ':!tests/fuzz/libfuzzer.cc')
 elif [[ ${2:-16} =~ ^[0-9]+$ ]]; then
   count=${2:-16}
   base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null ||
     true)
   [[ -n $base && $base != "$(git rev-parse HEAD)" ]] || base=HEAD~1
-  mapfile -t all < <(git ls-files '*.cc' ':!tools' ':!tests/fuzz/libfuzzer.cc')
-  mapfile -t units < <(git diff --name-only --diff-filter=d "$base" -- '*.cc' ':!tools' \
+  mapfile -t all < <(git ls-files '*.cc' ':!scripts/tables' ':!tests/fuzz/libfuzzer.cc')
+  mapfile -t units < <(git diff --name-only --diff-filter=d "$base" -- '*.cc' ':!scripts/tables' \
     ':!tests/fuzz/libfuzzer.cc' 2>/dev/null || true)
   start=$(($(git rev-list --count HEAD) * count % ${#all[@]}))
   changed=$((${#units[@]} < 80 ? ${#units[@]} : 80))

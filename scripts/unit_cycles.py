@@ -11,8 +11,8 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "batch",
-           "display", "api", "cli"]
+FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "bench/measure", "api",
+           "cli"]
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 
 

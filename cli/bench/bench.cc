@@ -18,7 +18,7 @@
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "job/options.h"
-#include "measure/revision.h"
+#include "bench/measure/revision.h"
 
 namespace skywave {
 namespace {

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "cli/bench/flags.h"
 #include "cli/print.h"
-#include "measure/bench_compare.h"
+#include "bench/measure/bench_compare.h"
 
 namespace skywave {
 namespace {

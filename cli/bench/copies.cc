@@ -9,8 +9,8 @@
 #include "cli/bench/report.h"
 #include "cli/print.h"
 #include "job/job.h"
-#include "measure/copies.h"
-#include "measure/statistics.h"
+#include "bench/measure/copies.h"
+#include "bench/measure/statistics.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -7,9 +7,9 @@
 
 #include "cli/progress.h"
 #include "job/request.h"
-#include "measure/baseline.h"
-#include "measure/bench_export.h"
-#include "measure/suite.h"
+#include "bench/measure/baseline.h"
+#include "bench/measure/bench_export.h"
+#include "bench/measure/suite.h"
 
 namespace skywave {
 

@@ -13,7 +13,7 @@
 #include "cli/print.h"
 #include "job/job.h"
 #include "job/options.h"
-#include "measure/counters.h"
+#include "bench/measure/counters.h"
 
 namespace skywave {
 namespace {

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "cli/bench/report.h"
-#include "measure/bars.h"
-#include "measure/html.h"
-#include "measure/plot.h"
-#include "measure/statistics.h"
+#include "bench/measure/bars.h"
+#include "bench/measure/html.h"
+#include "bench/measure/plot.h"
+#include "bench/measure/statistics.h"
 
 namespace skywave {
 namespace {

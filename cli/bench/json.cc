@@ -4,8 +4,8 @@
 #include "base/version.h"
 #include "cli/bench/report.h"
 #include "fmt/format.h"
-#include "measure/bench_record.h"
-#include "measure/json_input.h"
+#include "bench/measure/bench_record.h"
+#include "bench/measure/json_input.h"
 #include "wavefront/worker.h"
 
 namespace skywave {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "measure/machine.h"
-#include "measure/suite.h"
+#include "bench/measure/machine.h"
+#include "bench/measure/suite.h"
 
 namespace skywave {
 

@@ -12,7 +12,7 @@
 #include "cli/bench/report.h"
 #include "cli/print.h"
 #include "job/options.h"
-#include "measure/sustain.h"
+#include "bench/measure/sustain.h"
 
 namespace skywave {
 namespace {

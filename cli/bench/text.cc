@@ -5,8 +5,8 @@
 
 #include "base/version.h"
 #include "cli/bench/report.h"
-#include "measure/counters.h"
-#include "measure/statistics.h"
+#include "bench/measure/counters.h"
+#include "bench/measure/statistics.h"
 #include "wavefront/worker.h"
 
 namespace skywave {

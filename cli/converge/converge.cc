@@ -12,7 +12,7 @@
 #include "cli/progress.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
-#include "measure/converge/run.h"
+#include "bench/measure/converge/run.h"
 
 namespace skywave {
 namespace {

@@ -6,7 +6,7 @@
 #include "base/granted.h"
 #include "base/version.h"
 #include "cli/converge/report.h"
-#include "measure/html.h"
+#include "bench/measure/html.h"
 
 namespace skywave {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "cli/text_table.h"
 #include "image/image.h"
-#include "measure/converge/report.h"
+#include "bench/measure/converge/report.h"
 
 namespace skywave {
 

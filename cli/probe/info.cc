@@ -11,7 +11,7 @@
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/probe/probe_info.h"
-#include "measure/json_reports.h"
+#include "bench/measure/json_reports.h"
 
 namespace skywave {
 namespace {

@@ -1,5 +1,5 @@
 // Tests how a job file becomes pictures: lists, names, axes, and what is refused with which line.
-#include "batch/plan.h"
+#include "job/batch/plan.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "batch/check.h"
-#include "batch/number_list.h"
-#include "batch/output_name.h"
+#include "job/batch/check.h"
+#include "job/batch/number_list.h"
+#include "job/batch/output_name.h"
 #include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // Tests the order of a batch with pictures that take no time: failures, changes and what is told.
-#include "batch/run.h"
+#include "job/batch/run.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "batch/report.h"
-#include "batch/save.h"
-#include "batch/thumbnail.h"
+#include "job/batch/report.h"
+#include "job/batch/save.h"
+#include "job/batch/thumbnail.h"
 #include "image/image.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/worker_pool.h"

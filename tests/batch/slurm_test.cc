@@ -1,5 +1,5 @@
 // Tests the scripts for Slurm as texts, and by running them with stand-ins for Slurm's commands.
-#include "batch/slurm.h"
+#include "job/batch/slurm.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

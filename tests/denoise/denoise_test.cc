@@ -1,6 +1,6 @@
 // Pictures whose truth and noise are known: the denoiser has to come nearer to the truth, keep what
 // features and statistics tell apart, keep energy, and know its error.
-#include "denoise/denoise.h"
+#include "job/denoise/denoise.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "denoise/planes.h"
+#include "job/denoise/planes.h"
 #include "tests/support/targets.h"
 
 namespace skywave {

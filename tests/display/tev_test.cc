@@ -1,5 +1,5 @@
 // Tests the client of tev with viewers that read, do not read, leave or are not there.
-#include "display/tev.h"
+#include "api/display/tev.h"
 
 #include <gtest/gtest.h>
 

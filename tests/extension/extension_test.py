@@ -18,8 +18,8 @@ import unittest
 
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 TREE, OBJECTS = BUILD / "tree", BUILD / "build"
-FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "denoise", "job",
-           "measure", "batch", "display", "api", "cli", "cmake", "tools"]
+FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "api",
+           "bench/measure", "cli", "cmake", "scripts/tables"]
 
 SCENE = """LookAt 0 1 4  0 0.5 0  0 1 0
 Camera "perspective" "float fov" 40

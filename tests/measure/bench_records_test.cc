@@ -11,13 +11,13 @@
 
 #include "base/clock.h"
 #include "base/error.h"
-#include "measure/baseline.h"
-#include "measure/bench_compare.h"
-#include "measure/bench_export.h"
-#include "measure/copies.h"
-#include "measure/json_input.h"
-#include "measure/statistics.h"
-#include "measure/sustain.h"
+#include "bench/measure/baseline.h"
+#include "bench/measure/bench_compare.h"
+#include "bench/measure/bench_export.h"
+#include "bench/measure/copies.h"
+#include "bench/measure/json_input.h"
+#include "bench/measure/statistics.h"
+#include "bench/measure/sustain.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <random>
 
-#include "measure/converge.h"
-#include "measure/error_split.h"
-#include "measure/statistics.h"
-#include "measure/summary.h"
+#include "bench/measure/converge.h"
+#include "bench/measure/error_split.h"
+#include "bench/measure/statistics.h"
+#include "bench/measure/summary.h"
 
 namespace skywave {
 namespace {

@@ -1,6 +1,6 @@
 // Holds the comparison with noise to pictures whose noise is known.
 
-#include "measure/picture_noise.h"
+#include "bench/measure/picture_noise.h"
 
 #include <gtest/gtest.h>
 

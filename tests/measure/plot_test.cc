@@ -1,5 +1,5 @@
 // Tests curves as SVG: well-formed, complete, and within the picture.
-#include "measure/plot.h"
+#include "bench/measure/plot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests the estimates of the progress and its forms as text.
-#include "measure/progress_text.h"
+#include "bench/measure/progress_text.h"
 
 #include <gtest/gtest.h>
 

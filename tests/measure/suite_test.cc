@@ -1,6 +1,6 @@
 // Tests the suite of skywave bench: pictures are distinguished, and figures follow from the
 // measurements.
-#include "measure/suite.h"
+#include "bench/measure/suite.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "measure/bars.h"
-#include "measure/counters.h"
+#include "bench/measure/bars.h"
+#include "bench/measure/counters.h"
 #include "tests/support/xml.h"
 
 namespace skywave {
