@@ -3,8 +3,8 @@
 
 #include "api/errors.h"
 #include "api/state.h"
-#include "job/options.h"
 #include "bench/measure/converge/run.h"
+#include "job/options.h"
 
 namespace skywave::api {
 

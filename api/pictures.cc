@@ -3,6 +3,7 @@
 
 #include "api/errors.h"
 #include "api/state.h"
+#include "bench/measure/json_reports.h"
 #include "image/compare.h"
 #include "image/flip.h"
 #include "lights/maps/projections.h"
@@ -10,7 +11,6 @@
 #include "lights/maps/sphere_map.h"
 #include "lights/probe/probe_info.h"
 #include "lights/probe/probe_map.h"
-#include "bench/measure/json_reports.h"
 
 namespace skywave::api {
 namespace {

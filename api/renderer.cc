@@ -13,9 +13,9 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "base/version.h"
+#include "bench/measure/render_report.h"
 #include "job/options.h"
 #include "job/watch.h"
-#include "bench/measure/render_report.h"
 #include "scene/embree.h"
 #include "scene/instances.h"
 

@@ -11,6 +11,11 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "cli/commands.h"
+#include "cli/print.h"
+#include "cli/progress.h"
+#include "cli/signals.h"
+#include "cli/text_table.h"
 #include "job/batch/check.h"
 #include "job/batch/plan.h"
 #include "job/batch/render_picture.h"
@@ -18,11 +23,6 @@
 #include "job/batch/run.h"
 #include "job/batch/save.h"
 #include "job/batch/slurm.h"
-#include "cli/commands.h"
-#include "cli/print.h"
-#include "cli/progress.h"
-#include "cli/signals.h"
-#include "cli/text_table.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {

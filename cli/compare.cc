@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "base/files.h"
+#include "bench/measure/json_reports.h"
+#include "bench/measure/picture_noise.h"
 #include "cli/commands.h"
 #include "cli/print.h"
 #include "image/compare.h"
 #include "image/flip.h"
-#include "bench/measure/json_reports.h"
-#include "bench/measure/picture_noise.h"
 
 namespace skywave {
 

@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "base/version.h"
-#include "cli/print.h"
 #include "bench/measure/revision.h"
+#include "cli/print.h"
 #include "scene/embree.h"
 #include "skywave/skywave.h"
 

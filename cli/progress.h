@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "bench/measure/progress_text.h"
 #include "job/option.h"
 #include "job/watch.h"
-#include "bench/measure/progress_text.h"
 
 namespace skywave {
 

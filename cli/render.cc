@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/display/tev.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
@@ -15,7 +16,6 @@
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "api/display/tev.h"
 #include "job/exposure.h"
 #include "job/limits.h"
 #include "job/map_sequence.h"

@@ -88,8 +88,8 @@ class EmbreeScene {
   double build_seconds_ = 0;
 };
 
-// Returns "isa=avx2" where the processor has it: hits then have the same bits on every such
-// machine, and AVX-512 machines lose nothing (measured: docs/benchmarks.md).
+// Returns "isa=avx2" where the processor has it: hits then have the same bits on every such machine
+// of a vendor, and AVX-512 machines lose nothing (measured: docs/benchmarks.md).
 std::string DefaultEmbreeConfig();
 
 }  // namespace skywave

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "job/job.h"
 #include "bench/measure/error_split.h"
+#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {

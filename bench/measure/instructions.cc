@@ -12,8 +12,8 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "job/options.h"
 #include "bench/measure/machine.h"
+#include "job/options.h"
 
 namespace skywave {
 namespace {

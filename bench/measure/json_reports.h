@@ -3,11 +3,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/measure/picture_noise.h"
 #include "image/compare.h"
 #include "image/flip.h"
 #include "lights/probe/probe_info.h"
 #include "lights/probe/probe_map.h"
-#include "bench/measure/picture_noise.h"
 
 namespace skywave {
 

@@ -9,8 +9,8 @@
 #include <fstream>
 
 #include "base/granted.h"
-#include "kernels/targets.h"
 #include "bench/measure/revision.h"
+#include "kernels/targets.h"
 #include "scene/embree.h"
 #include "scene/geometry.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "image/compare.h"
 #include "bench/measure/statistics.h"
+#include "image/compare.h"
 
 namespace skywave {
 namespace {

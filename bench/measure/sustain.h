@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "job/job.h"
 #include "bench/measure/statistics.h"
+#include "job/job.h"
 
 namespace skywave {
 

@@ -12,13 +12,13 @@
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
+#include "bench/measure/revision.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "job/options.h"
-#include "bench/measure/revision.h"
 
 namespace skywave {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "bench/measure/bench_compare.h"
 #include "cli/bench/flags.h"
 #include "cli/print.h"
-#include "bench/measure/bench_compare.h"
 
 namespace skywave {
 namespace {

@@ -5,12 +5,12 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "bench/measure/copies.h"
+#include "bench/measure/statistics.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
 #include "cli/print.h"
 #include "job/job.h"
-#include "bench/measure/copies.h"
-#include "bench/measure/statistics.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -46,7 +46,7 @@ nlohmann::json MeasureCopy(const CopyScene& scene, int repetitions, const std::s
   if (scene.known != nullptr) {
     const Fingerprint found = FingerprintOf(film, scene.known->samples_per_pixel);
     const PictureCheck check =
-        CheckPicture(scene.known->expected, found, HasReferenceHits(scene.request));
+        CheckPicture(scene.known->expected, found, KnownHash(*scene.known, scene.request));
     if (check == PictureCheck::kWrong) {
       throw InputError(InputPosition::File(scene.name),
                        "not the picture that the suite expects, so there is no score",

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "cli/progress.h"
-#include "job/request.h"
 #include "bench/measure/baseline.h"
 #include "bench/measure/bench_export.h"
 #include "bench/measure/suite.h"
+#include "cli/progress.h"
+#include "job/request.h"
 
 namespace skywave {
 

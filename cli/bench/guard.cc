@@ -8,12 +8,12 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "bench/measure/counters.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
 #include "cli/print.h"
 #include "job/job.h"
 #include "job/options.h"
-#include "bench/measure/counters.h"
 
 namespace skywave {
 namespace {

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "cli/bench/report.h"
 #include "bench/measure/bars.h"
 #include "bench/measure/html.h"
 #include "bench/measure/plot.h"
 #include "bench/measure/statistics.h"
+#include "cli/bench/report.h"
 
 namespace skywave {
 namespace {

@@ -2,10 +2,10 @@
 #include <filesystem>
 
 #include "base/version.h"
-#include "cli/bench/report.h"
-#include "fmt/format.h"
 #include "bench/measure/bench_record.h"
 #include "bench/measure/json_input.h"
+#include "cli/bench/report.h"
+#include "fmt/format.h"
 #include "wavefront/worker.h"
 
 namespace skywave {

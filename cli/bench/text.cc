@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/version.h"
-#include "cli/bench/report.h"
 #include "bench/measure/counters.h"
 #include "bench/measure/statistics.h"
+#include "cli/bench/report.h"
 #include "wavefront/worker.h"
 
 namespace skywave {

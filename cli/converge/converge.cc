@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "base/files.h"
+#include "bench/measure/converge/run.h"
 #include "cli/commands.h"
 #include "cli/converge/report.h"
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
-#include "bench/measure/converge/run.h"
 
 namespace skywave {
 namespace {

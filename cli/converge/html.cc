@@ -5,8 +5,8 @@
 
 #include "base/granted.h"
 #include "base/version.h"
-#include "cli/converge/report.h"
 #include "bench/measure/html.h"
+#include "cli/converge/report.h"
 
 namespace skywave {
 namespace {

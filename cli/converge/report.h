@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "bench/measure/converge/report.h"
 #include "cli/text_table.h"
 #include "image/image.h"
-#include "bench/measure/converge/report.h"
 
 namespace skywave {
 

@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "base/files.h"
+#include "bench/measure/json_reports.h"
 #include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/probe/probe_info.h"
-#include "bench/measure/json_reports.h"
 
 namespace skywave {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "job/batch/render_picture.h"
 #include "image/image.h"
+#include "job/batch/render_picture.h"
 #include "job/choose_camera.h"
 #include "job/job_parts.h"
 #include "job/map_sequence.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/version.h"
-#include "job/picture.h"
 #include "bench/measure/html.h"
 #include "bench/measure/plot.h"
+#include "job/picture.h"
 
 namespace skywave {
 namespace {

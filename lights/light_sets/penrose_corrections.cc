@@ -6,7 +6,8 @@
 namespace skywave {
 namespace {
 
-// The table was computed with scripts/tables/penrose_corrections; classes that do not occur in a row are 0.
+// The table was computed with scripts/tables/penrose_corrections; classes that do not occur in a
+// row are 0.
 constexpr PenroseCorrections kCorrections = {{
     {{
         {0.019597, -0.006422},  {-0.026289, -0.018930}, {-0.012550, -0.361563},

@@ -5,11 +5,11 @@
 
 #include <set>
 
+#include "bench/measure/error_split.h"
+#include "bench/measure/suite.h"
 #include "lights/light_sets/light_builder.h"
 #include "lights/maps/projections.h"
 #include "lights/probe/export_lights.h"
-#include "bench/measure/error_split.h"
-#include "bench/measure/suite.h"
 #include "scene/local_lights.h"
 #include "wavefront/integrators/integrators.h"
 #include "wavefront/option_names.h"

@@ -14,10 +14,10 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "image/image.h"
 #include "job/batch/report.h"
 #include "job/batch/save.h"
 #include "job/batch/thumbnail.h"
-#include "image/image.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/worker_pool.h"
 

@@ -11,10 +11,10 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "bench/measure/reference_file.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/resolve.h"
-#include "bench/measure/reference_file.h"
 #include "wavefront/option_names.h"
 
 namespace skywave {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/converge/report.h"
 #include "job/option.h"
 #include "job/request.h"
 #include "job/watch.h"
-#include "bench/measure/converge/report.h"
 
 namespace skywave {
 
