@@ -36,13 +36,13 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
     VF weight = zero;
     if (mis.enabled) {
       const VF light = Load(rows.light_pdf + i);
-      const VF p = hn::Mul(pdf, Set(mis.bsdf_samples)), p2 = hn::Mul(p, p);
-      weight = hn::Div(p2, hn::Add(p2, hn::Mul(light, light)));
+      const VF p = pdf * mis.bsdf_samples, p2 = p * p;
+      weight = p2 / (p2 + light * light);
     }
     weight = IfThen(hn::Le(pdf, zero), one, weight);  // there is no density
-    const V3 light = Mul(Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i),
-                         Load3(rows.radiance_r + i, rows.radiance_g + i, rows.radiance_b + i));
-    AddToPaths(Scale(light, weight), rows.path + i, std::min(lanes, n - i), paths);
+    const V3 light = Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i) *
+                     Load3(rows.radiance_r + i, rows.radiance_g + i, rows.radiance_b + i);
+    AddToPaths(light * weight, rows.path + i, std::min(lanes, n - i), paths);
   }
 }
 
@@ -66,7 +66,7 @@ void SubtractControl(const ControlColumns& control, const std::uint32_t* path, s
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   for (std::uint32_t i = 0; i < n; i += lanes) {
     const V3 known = Load3(control.r + i, control.g + i, control.b + i);
-    AddToPaths(Sub(V3{zero, zero, zero}, known), path + i, std::min(lanes, n - i), paths);
+    AddToPaths(V3{zero, zero, zero} - known, path + i, std::min(lanes, n - i), paths);
   }
 }
 
@@ -82,10 +82,10 @@ HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   // Half of it more leaves room below for negative values.
   const auto magic = hn::Set(d, kHasSigns ? 0x1.8p52 : 0x1p52);
   for (std::size_t i = 0; i < hn::Lanes(F()); i += hn::Lanes(d)) {
-    const auto scaled = hn::Mul(hn::PromoteTo(d, hn::LoadU(half, lanes + i)), hn::Set(d, units));
+    const auto scaled = hn::PromoteTo(d, hn::LoadU(half, lanes + i)) * hn::Set(d, units);
     const auto kept = kHasSigns ? scaled : hn::Min(scaled, magic);
-    const auto rounded = hn::BitCast(bits, hn::Add(kept, magic));
-    hn::StoreU(hn::Sub(rounded, hn::BitCast(bits, magic)), bits, out + i);
+    const auto rounded = hn::BitCast(bits, kept + magic);
+    hn::StoreU(rounded - hn::BitCast(bits, magic), bits, out + i);
   }
 }
 
@@ -102,7 +102,7 @@ HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units,
   const auto keep = [&](VF value) HWY_ATTR {
     if constexpr (kHasSigns) {
       const VF number = hn::IfThenElseZero(hn::Eq(value, value), value);
-      return hn::Max(hn::Min(number, limit), hn::Neg(limit));
+      return hn::Max(hn::Min(number, limit), -limit);
     }
     // A comparison with NaN fails, so NaN becomes 0 like negative values.
     return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
@@ -180,7 +180,7 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
     const MF arrived = hn::And(hn::Ge(Load(splats.t_far + i), hn::Zero(F())),
                                hn::RebindMask(F(), RowsBelow(i, n)));
     if (hn::AllFalse(F(), arrived)) continue;
-    const V3 rgb = Scale(Load3(splats.r + i, splats.g + i, splats.b + i), Set(factor));
+    const V3 rgb = Load3(splats.r + i, splats.g + i, splats.b + i) * factor;
     CountMisfits(rgb, arrived, scale, counts);
     ToUnits(rgb, scale, units);
     for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {

@@ -14,11 +14,11 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE VF FilterOffset(const float* table, VF uniform) {
-  const VF position = hn::Mul(uniform, Set(float(kFilterCells)));
+  const VF position = uniform * float(kFilterCells);
   const VU cell = ToUnsigned(position);
   VF low, high;
   GatherPairs(table, cell, low, high);
-  return hn::Add(low, hn::Mul(hn::Sub(position, ToFloat(cell)), hn::Sub(high, low)));
+  return low + (position - ToFloat(cell)) * (high - low);
 }
 
 // The direction of a camera ray may have any length here.
@@ -31,13 +31,13 @@ HWY_INLINE void RefractByLens(const CameraView& camera, const UniformColumns& le
                               std::uint32_t row, OriginAndDirection& ray) {
   VF x, y;
   SampleDisc(Load(lens.u + row), Load(lens.v + row), x, y);
-  const V3 shift = Add(Scale(Set3(camera.lens_x), x), Scale(Set3(camera.lens_y), y));
-  ray.origin = Add(ray.origin, shift);
-  ray.dir = Sub(Scale(ray.dir, Set(camera.focal_distance)), shift);
+  const V3 shift = Set3(camera.lens_x) * x + Set3(camera.lens_y) * y;
+  ray.origin = ray.origin + shift;
+  ray.dir = ray.dir * camera.focal_distance - shift;
 }
 
 HWY_INLINE V3 FilmPoint(const CameraView& camera, VF x, VF y) {
-  return Add(Set3(camera.corner), Add(Scale(Set3(camera.right), x), Scale(Set3(camera.down), y)));
+  return Set3(camera.corner) + (Set3(camera.right) * x + Set3(camera.down) * y);
 }
 
 struct Perspective {
@@ -54,24 +54,22 @@ struct Orthographic {
 
 // Returns the sum of the camera's axes, weighted by `right`, `down` and `forward`.
 HWY_INLINE V3 FromAxes(const CameraView& camera, VF right, VF down, VF forward) {
-  return Add(Add(Scale(Set3(camera.right), right), Scale(Set3(camera.down), down)),
-             Scale(Set3(camera.forward), forward));
+  return Set3(camera.right) * right + Set3(camera.down) * down + Set3(camera.forward) * forward;
 }
 
-HWY_INLINE VF Fraction(VF x) { return hn::Sub(x, hn::Floor(x)); }
+HWY_INLINE VF Fraction(VF x) { return x - hn::Floor(x); }
 
 struct LatLong {
   // The filter reaches beyond the edge of the film: past the left side follows the right one, and
   // past a pole the opposite meridian, which a negative sine of the polar angle yields.
   static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
     VF sin_phi, cos_phi, sin_theta, cos_theta;
-    SinCosTurn(Fraction(hn::Div(x, Set(float(camera.whole_width)))), sin_phi, cos_phi);
-    SinCosTurn(Fraction(hn::Mul(hn::Div(y, Set(float(camera.whole_height))), Set(0.5f))), sin_theta,
-               cos_theta);
+    SinCosTurn(Fraction(x / float(camera.whole_width)), sin_phi, cos_phi);
+    SinCosTurn(Fraction(y / float(camera.whole_height) * 0.5f), sin_theta, cos_theta);
     // The middle column (half a turn) looks forward, the columns to its right look to the right.
-    const VF minus_sin_theta = hn::Neg(sin_theta);
-    return {Set3(camera.origin), FromAxes(camera, hn::Mul(minus_sin_theta, sin_phi),
-                                          hn::Neg(cos_theta), hn::Mul(minus_sin_theta, cos_phi))};
+    const VF minus_sin_theta = -sin_theta;
+    return {Set3(camera.origin),
+            FromAxes(camera, minus_sin_theta * sin_phi, -cos_theta, minus_sin_theta * cos_phi)};
   }
 };
 
@@ -79,41 +77,41 @@ struct LatLong {
 HWY_INLINE void WrapSquare(VF& a, VF& b) {
   const VF one = Set(1.0f), two = Set(2.0f), zero = hn::Zero(F());
   const MF below = hn::Lt(a, zero), above = hn::Gt(a, one);
-  a = IfThen(below, hn::Neg(a), IfThen(above, hn::Sub(two, a), a));
-  b = IfThen(hn::Or(below, above), hn::Sub(one, b), b);
+  a = IfThen(below, -a, IfThen(above, two - a, a));
+  b = IfThen(hn::Or(below, above), one - b, b);
 }
 
 struct EqualArea {
   static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
     const VF one = Set(1.0f);
-    VF u = hn::Div(x, Set(float(camera.whole_width)));
-    VF v = hn::Div(y, Set(float(camera.whole_height)));
+    VF u = x / float(camera.whole_width);
+    VF v = y / float(camera.whole_height);
     WrapSquare(u, v);
     WrapSquare(v, u);
-    const VF a = hn::Sub(hn::Add(u, u), one), b = hn::Sub(hn::Add(v, v), one);
+    const VF a = u + u - one, b = v + v - one;
     const V3 d = DirectionOnEqualAreaSquare(a, b);
-    return {Set3(camera.origin), FromAxes(camera, d.x, hn::Neg(d.z), d.y)};
+    return {Set3(camera.origin), FromAxes(camera, d.x, -d.z, d.y)};
   }
 };
 
 struct Fisheye {
   // Makes (x, y) an offset from the middle of the whole film; returns its length [pixels].
   static HWY_INLINE VF FromMiddle(const CameraView& camera, VF& x, VF& y) {
-    x = hn::Sub(x, Set(0.5f * float(camera.whole_width)));
-    y = hn::Sub(y, Set(0.5f * float(camera.whole_height)));
-    return hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+    x = x - (0.5f * float(camera.whole_width));
+    y = y - (0.5f * float(camera.whole_height));
+    return hn::Sqrt(x * x + y * y);
   }
   static HWY_INLINE MF Sees(const CameraView& camera, VF x, VF y) {
     const VF radius = FromMiddle(camera, x, y);
-    return hn::Le(hn::Mul(radius, Set(camera.turns_per_pixel)), Set(camera.rim_turns));
+    return hn::Le(radius * camera.turns_per_pixel, Set(camera.rim_turns));
   }
   static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
     const VF radius = FromMiddle(camera, x, y);
     VF sine, cosine;
-    SinCosTurn(hn::Min(hn::Mul(radius, Set(camera.turns_per_pixel)), Set(0.5f)), sine, cosine);
+    SinCosTurn(hn::Min(radius * camera.turns_per_pixel, Set(0.5f)), sine, cosine);
     const MF middle = hn::Eq(radius, hn::Zero(F()));
-    const VF across = hn::Div(sine, IfThen(middle, Set(1.0f), radius));
-    return {Set3(camera.origin), FromAxes(camera, hn::Mul(x, across), hn::Mul(y, across), cosine)};
+    const VF across = sine / IfThen(middle, Set(1.0f), radius);
+    return {Set3(camera.origin), FromAxes(camera, x * across, y * across, cosine)};
   }
 };
 
@@ -130,16 +128,14 @@ HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& path
   const VU first_column = SetU(camera.first_column), first_row = SetU(camera.first_row);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU pixel = Load(paths.pixel + i);
-    VU row = ToUnsigned(hn::Mul(ToFloat(pixel), inverse_width));
-    row = IfThen(hn::Gt(hn::Mul(row, width), pixel), hn::Sub(row, SetU(1)), row);
-    VU column = hn::Sub(pixel, hn::Mul(row, width));
+    VU row = ToUnsigned(ToFloat(pixel) * inverse_width);
+    row = IfThen(hn::Gt(row * width, pixel), row - SetU(1), row);
+    VU column = pixel - row * width;
     const MU next = hn::Gt(column, SetU(camera.width - 1));
-    row = hn::Add(IfThen(next, hn::Add(row, SetU(1)), row), first_row);
-    column = hn::Add(IfThen(next, hn::Sub(column, width), column), first_column);
-    const VF x = hn::Add(hn::Add(ToFloat(column), Set(0.5f)),
-                         FilterOffset(camera.filter_offset, Load(film.u + i)));
-    const VF y = hn::Add(hn::Add(ToFloat(row), Set(0.5f)),
-                         FilterOffset(camera.filter_offset, Load(film.v + i)));
+    row = IfThen(next, row + SetU(1), row) + first_row;
+    column = IfThen(next, column - width, column) + first_column;
+    const VF x = ToFloat(column) + 0.5f + FilterOffset(camera.filter_offset, Load(film.u + i));
+    const VF y = ToFloat(row) + 0.5f + FilterOffset(camera.filter_offset, Load(film.v + i));
     OriginAndDirection ray = Kind::Ray(camera, x, y);
     if constexpr (kLens) RefractByLens(camera, lens, i, ray);
     const V3 dir = Normalize(ray.dir);

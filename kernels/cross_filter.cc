@@ -46,12 +46,12 @@ void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* 
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const VF v = Load(half.noise + shape.at(x + dx, y + dy));
-        sum = hn::Add(sum, v);
-        sum_of_logs = hn::Add(sum_of_logs, Log2(hn::Max(v, Set(1e-30f))));
+        sum = sum + v;
+        sum_of_logs = sum_of_logs + Log2(hn::Max(v, Set(1e-30f)));
       }
     }
-    const VF own = Load(half.noise + at), geometric = Exp2(hn::Mul(sum_of_logs, Set(1.0f / 9)));
-    const VF arithmetic = hn::Mul(sum, Set(1.0f / 9));
+    const VF own = Load(half.noise + at), geometric = Exp2(sum_of_logs * (1.0f / 9));
+    const VF arithmetic = sum * (1.0f / 9);
     Store(IfThen(hn::Eq(own, zero), arithmetic, hn::Max(own, geometric)), noise + at);
   }
 }
@@ -60,7 +60,7 @@ void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
   const int lanes = static_cast<int>(hn::Lanes(F()));
   for (int x = 0; x < shape.width; x += lanes) {
     float* const at = plane + shape.at(x, y);
-    Store(hn::Mul(Log(hn::Max(Load(at), Set(1e-30f))), Set(scale)), at);
+    Store(Log(hn::Max(Load(at), Set(1e-30f))) * scale, at);
   }
 }
 
@@ -74,33 +74,32 @@ HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& half, const
     for (int x = -1; x <= tile.width; x += lanes) {
       const std::size_t i = row + std::size_t(x), j = i + std::size_t(offset);
       const V3 d =
-          Sub(Load3(half.r + i, half.g + i, half.b + i), Load3(half.r + j, half.g + j, half.b + j));
-      const VF noise = hn::Add(hn::Add(Load(half.noise + i), Load(half.noise + j)), Set(kNoNoise));
-      Store(hn::Min(hn::Div(Dot(d, d), noise), Set(1e6f)), z.at(x, y));
+          Load3(half.r + i, half.g + i, half.b + i) - Load3(half.r + j, half.g + j, half.b + j);
+      const VF noise = Load(half.noise + i) + Load(half.noise + j) + kNoNoise;
+      Store(hn::Min(Dot(d, d) / noise, Set(1e6f)), z.at(x, y));
     }
     for (int x = 0; x < tile.width; x += lanes) {
-      const VF sides = hn::Add(Load(z.at(x - 1, y)), Load(z.at(x + 1, y)));
-      Store(hn::Add(sides, Load(z.at(x, y))), sums.at(x, y));
+      const VF sides = Load(z.at(x - 1, y)) + Load(z.at(x + 1, y));
+      Store(sides + Load(z.at(x, y)), sums.at(x, y));
     }
   }
 }
 
 // Returns the squared distance of the features of pixels i and j, which is (dx, dy) away.
 HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, std::size_t j, VF dx, VF dy) {
-  const V3 normal = Sub(Load3(f.normal_x + i, f.normal_y + i, f.normal_z + i),
-                        Load3(f.normal_x + j, f.normal_y + j, f.normal_z + j));
-  const V3 albedo = Sub(Load3(f.albedo_r + i, f.albedo_g + i, f.albedo_b + i),
-                        Load3(f.albedo_r + j, f.albedo_g + j, f.albedo_b + j));
+  const V3 normal = Load3(f.normal_x + i, f.normal_y + i, f.normal_z + i) -
+                    Load3(f.normal_x + j, f.normal_y + j, f.normal_z + j);
+  const V3 albedo = Load3(f.albedo_r + i, f.albedo_g + i, f.albedo_b + i) -
+                    Load3(f.albedo_r + j, f.albedo_g + j, f.albedo_b + j);
   // A plane's depth changes from pixel to pixel; what counts is how far j is from the plane of i.
-  const VF slope = hn::Add(hn::Mul(Load(f.depth_dx + i), dx), hn::Mul(Load(f.depth_dy + i), dy));
-  const VF depth = hn::Sub(hn::Sub(Load(f.depth + j), Load(f.depth + i)), slope);
-  const VF of_surface =
-      hn::Add(hn::Add(Dot(normal, normal), Dot(albedo, albedo)), hn::Mul(depth, depth));
+  const VF slope = Load(f.depth_dx + i) * dx + Load(f.depth_dy + i) * dy;
+  const VF depth = Load(f.depth + j) - Load(f.depth + i) - slope;
+  const VF of_surface = Dot(normal, normal) + Dot(albedo, albedo) + depth * depth;
   // Where nothing was hit there are no features.
   const VF here = Load(f.coverage + i), there = Load(f.coverage + j);
-  const VF both = hn::Min(here, there), coverage = hn::Sub(here, there);
-  const VF share = hn::Mul(both, Set(kCoverageUnit));
-  return hn::Add(hn::Mul(hn::Mul(share, share), of_surface), hn::Mul(coverage, coverage));
+  const VF both = hn::Min(here, there), coverage = here - there;
+  const VF share = both * kCoverageUnit;
+  return share * share * of_surface + coverage * coverage;
 }
 
 // Sums of a tile for one half.
@@ -124,13 +123,13 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
     const HalfPlanes& from = in[half];
     const auto sum = [&](TilePlane& plane, VF value) HWY_ATTR {
       float* const at = plane.at(x, y);
-      Store(hn::Add(Load(at), value), at);
+      Store(Load(at) + value, at);
     };
-    sum(a.r, hn::Mul(weight, Load(from.r + j)));
-    sum(a.g, hn::Mul(weight, Load(from.g + j)));
-    sum(a.b, hn::Mul(weight, Load(from.b + j)));
+    sum(a.r, weight * Load(from.r + j));
+    sum(a.g, weight * Load(from.g + j));
+    sum(a.b, weight * Load(from.b + j));
     sum(a.weight, weight);
-    sum(a.noise, hn::Mul(hn::Mul(weight, weight), Load(from.noise + j)));
+    sum(a.noise, weight * weight * Load(from.noise + j));
   };
   // A pixel is as good as equal to itself.
   for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
@@ -150,21 +149,20 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
       }
       for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
         const std::size_t j = i + std::size_t(offset);
-        const VF of_features = hn::Mul(
-            FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))), Set(0.5f / kLimit));
-        const VF trust = hn::Sub(one, of_features);
+        const VF of_features =
+            FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))) * (0.5f / kLimit);
+        const VF trust = one - of_features;
         if (hn::AllTrue(F(), hn::Le(trust, zero))) return;
         for (int half = 0; half < 2; ++half) {
           TilePlane& rows = sums[half];
-          const VF around = hn::Add(hn::Add(Load(rows.at(x, y - 1)), Load(rows.at(x, y + 1))),
-                                    Load(rows.at(x, y)));
-          const VF excess = hn::Max(hn::Sub(hn::Mul(around, Set(1.0f / 9)), Set(kTolerated)), zero);
-          VF weight = hn::Max(hn::Sub(trust, hn::Mul(excess, Set(1 / kLimit))), zero);
-          weight = hn::Mul(weight, weight), weight = hn::Mul(weight, weight);
-          weight = hn::Mul(weight, weight);
-          const VF noise_i = hn::Add(Load(in[half].noise + i), Set(kNoNoise));
-          const VF noise_j = hn::Add(Load(in[half].noise + j), Set(kNoNoise));
-          weight = hn::Mul(weight, hn::Min(hn::Div(hn::Mul(noise_i, Set(kNoisier)), noise_j), one));
+          const VF around = Load(rows.at(x, y - 1)) + Load(rows.at(x, y + 1)) + Load(rows.at(x, y));
+          const VF excess = hn::Max(around * (1.0f / 9) - kTolerated, zero);
+          VF weight = hn::Max(trust - excess * (1 / kLimit), zero);
+          weight = weight * weight, weight = weight * weight;
+          weight = weight * weight;
+          const VF noise_i = Load(in[half].noise + i) + kNoNoise;
+          const VF noise_j = Load(in[half].noise + j) + kNoNoise;
+          weight = weight * hn::Min(noise_i * kNoisier / noise_j, one);
           weight = IfThen(hn::Gt(Load(z[half].at(x, y)), Set(kFarApart)), zero, weight);
           add(1 - half, x, y, j, weight);
         }
@@ -175,11 +173,11 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
     for (int half = 0; half < 2; ++half) {
       Averages& a = averages[half];
       const HalfPlanes& to = out[half];
-      const VF scale = hn::Div(one, Load(a.weight.at(x, y)));
-      Store(hn::Mul(Load(a.r.at(x, y)), scale), to.r + i);
-      Store(hn::Mul(Load(a.g.at(x, y)), scale), to.g + i);
-      Store(hn::Mul(Load(a.b.at(x, y)), scale), to.b + i);
-      Store(hn::Mul(hn::Mul(Load(a.noise.at(x, y)), scale), scale), to.noise + i);
+      const VF scale = one / Load(a.weight.at(x, y));
+      Store(Load(a.r.at(x, y)) * scale, to.r + i);
+      Store(Load(a.g.at(x, y)) * scale, to.g + i);
+      Store(Load(a.b.at(x, y)) * scale, to.b + i);
+      Store(Load(a.noise.at(x, y)) * scale * scale, to.noise + i);
     }
   });
 }
@@ -192,19 +190,19 @@ class NeighborhoodMean {
     const int lanes = static_cast<int>(hn::Lanes(F()));
     for (int y = -2; y < tile.height + 2; ++y) {
       for (int x = 0; x < tile.width; x += lanes) {
-        const VF inner = hn::Add(hn::Add(Load(values.at(x - 1, y)), Load(values.at(x + 1, y))),
-                                 Load(values.at(x, y)));
-        const VF outer = hn::Add(Load(values.at(x - 2, y)), Load(values.at(x + 2, y)));
+        const VF inner =
+            Load(values.at(x - 1, y)) + Load(values.at(x + 1, y)) + Load(values.at(x, y));
+        const VF outer = Load(values.at(x - 2, y)) + Load(values.at(x + 2, y));
         Store(inner, three_.at(x, y));
-        Store(hn::Add(inner, outer), five_.at(x, y));
+        Store(inner + outer, five_.at(x, y));
       }
     }
   }
   HWY_INLINE VF At(int x, int y) {
     VF three = hn::Zero(F()), five = hn::Zero(F());
-    for (int dy = -1; dy <= 1; ++dy) three = hn::Add(three, Load(three_.at(x, y + dy)));
-    for (int dy = -2; dy <= 2; ++dy) five = hn::Add(five, Load(five_.at(x, y + dy)));
-    return hn::Max(hn::Mul(three, Set(1.0f / 9)), hn::Mul(five, Set(1.0f / 25)));
+    for (int dy = -1; dy <= 1; ++dy) three = three + Load(three_.at(x, y + dy));
+    for (int dy = -2; dy <= 2; ++dy) five = five + Load(five_.at(x, y + dy));
+    return hn::Max(three * (1.0f / 9), five * (1.0f / 25));
   }
 
  private:
@@ -221,16 +219,16 @@ HWY_INLINE void ErrorOfChannel(const PlaneShape& shape, const float* const (&noi
       const std::size_t i = shape.at(tile.x + x, tile.y + y);
       const VF f0 = Load(filtered[0] + i), f1 = Load(filtered[1] + i);
       const VF x0 = Load(noisy[0] + i), x1 = Load(noisy[1] + i);
-      const VF apart = hn::Sub(f0, f1);
-      Store(hn::Mul(hn::Mul(apart, apart), Set(0.25f * kFewNumbers)), differences.at(x, y));
-      Store(hn::Mul(hn::Sub(f0, x1), hn::Sub(f1, x0)), products.at(x, y));
+      const VF apart = f0 - f1;
+      Store(apart * apart * (0.25f * kFewNumbers), differences.at(x, y));
+      Store((f0 - x1) * (f1 - x0), products.at(x, y));
     }
   }
   NeighborhoodMean variance(tile, differences), squared_bias(tile, products);
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; x += lanes) {
       const VF bias = hn::Max(squared_bias.At(x, y), hn::Zero(F()));
-      Store(hn::Add(variance.At(x, y), bias), squared_error + shape.at(tile.x + x, tile.y + y));
+      Store(variance.At(x, y) + bias, squared_error + shape.at(tile.x + x, tile.y + y));
     }
   }
 }

@@ -24,7 +24,7 @@ HWY_INLINE std::uint32_t CountQueue(const std::uint32_t* queue, std::uint32_t n,
   VU counts = SetU(0);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
     const auto same = hn::VecFromMask(U(), hn::Eq(Load(queue + i), wanted));
-    counts = hn::Sub(counts, same);  // all bits set are -1
+    counts = counts - same;  // all bits set are -1
   }
   return hn::GetLane(hn::SumOfLanes(U(), counts));
 }
@@ -63,7 +63,7 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
     const MU hit = hn::And(inside, hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
     if (several) {
       const VU triangle = TrianglesHit(hits, i, hit);
-      const VU tag = Gather(words, hn::Add(hn::ShiftLeft<2>(triangle), SetU(3)));
+      const VU tag = Gather(words, hn::ShiftLeft<2>(triangle) + SetU(3));
       kind = hn::ShiftRight<kKindShift>(tag);
     }
     VU goes_to = kind;
@@ -110,10 +110,10 @@ void ChooseMaterials(const TriangleRecord* triangles, const TextureView& texture
     VF uniform = Load(u + i);
     while (true) {
       const VU record = hn::ShiftLeft<2>(triangle);
-      const VU tag = Gather(words, hn::Add(record, SetU(3)));
+      const VU tag = Gather(words, record + SetU(3));
       const MU mixed = hn::And(hit, hn::TestBit(tag, SetU(kMixedTriangle)));
       if (hn::AllFalse(U(), mixed)) break;
-      const VU bits = Gather(words, hn::Add(record, SetU(1)));
+      const VU bits = Gather(words, record + SetU(1));
       VF share = AsFloat(bits);
       const MU textured = hn::And(mixed, hn::TestBit(bits, SetU(kShareOfTexture)));
       if (!hn::AllFalse(U(), textured)) {
@@ -121,12 +121,12 @@ void ChooseMaterials(const TriangleRecord* triangles, const TextureView& texture
       }
       const MF second = hn::Lt(uniform, share);
       const VU first = Gather(words, record);
-      const VU chosen = hn::Add(first, hn::IfThenElseZero(hn::RebindMask(U(), second), SetU(1)));
+      const VU chosen = first + hn::IfThenElseZero(hn::RebindMask(U(), second), SetU(1));
       triangle = IfThen(mixed, chosen, triangle);
       // The rest of the uniform is stretched to [0, 1) for the next choice.
-      const VF rest = IfThen(second, uniform, hn::Sub(uniform, share));
-      const VF room = IfThen(second, share, hn::Sub(one, share));
-      uniform = hn::Min(hn::Div(rest, hn::Max(room, Set(1e-20f))), Set(0x1.fffffep-1f));
+      const VF rest = IfThen(second, uniform, uniform - share);
+      const VF room = IfThen(second, share, one - share);
+      uniform = hn::Min(rest / hn::Max(room, Set(1e-20f)), Set(0x1.fffffep-1f));
     }
     Store(IfThen(hit, triangle, read), hits.triangle + i);
   }
@@ -174,9 +174,9 @@ std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue,
     const V3 throughput =
         Load3(rays.throughput_r + i, rays.throughput_g + i, rays.throughput_b + i);
     const V3 known = Load3(control.r + i, control.g + i, control.b + i);
-    const V3 left = {hn::Sub(hn::IfThenElseZero(out, throughput.x), known.x),
-                     hn::Sub(hn::IfThenElseZero(out, throughput.y), known.y),
-                     hn::Sub(hn::IfThenElseZero(out, throughput.z), known.z)};
+    const V3 left = {hn::IfThenElseZero(out, throughput.x) - known.x,
+                     hn::IfThenElseZero(out, throughput.y) - known.y,
+                     hn::IfThenElseZero(out, throughput.z) - known.z};
     const VF zero = hn::Zero(F());
     const MF any = hn::Or(hn::Or(hn::Ne(left.x, zero), hn::Ne(left.y, zero)), hn::Ne(left.z, zero));
     const RowCompressor rows(hn::And(hn::RebindMask(U(), any), RowsBelow(i, n)));
@@ -196,9 +196,9 @@ void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_
     const MU mask = hn::Eq(Load(queue + i), SetU(kind));
     if (hn::AllFalse(U(), mask)) continue;
     const RowCompressor rows(mask);
-    rows.Append(hn::Neg(Load(rays.dir_x + i)), surfaces.wo_x + to);
-    rows.Append(hn::Neg(Load(rays.dir_y + i)), surfaces.wo_y + to);
-    rows.Append(hn::Neg(Load(rays.dir_z + i)), surfaces.wo_z + to);
+    rows.Append(-Load(rays.dir_x + i), surfaces.wo_x + to);
+    rows.Append(-Load(rays.dir_y + i), surfaces.wo_y + to);
+    rows.Append(-Load(rays.dir_z + i), surfaces.wo_z + to);
     rows.Move(hits.ng_x + i, surfaces.ng_x + to);
     rows.Move(hits.ng_y + i, surfaces.ng_y + to);
     rows.Move(hits.ng_z + i, surfaces.ng_z + to);

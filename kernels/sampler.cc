@@ -14,11 +14,11 @@ namespace HWY_NAMESPACE {
 // it (Laine and Karras 2011 in the form of Burley 2020; constants of Vegdahl 2021, who searched for
 // the least correlation between neighbouring bits).
 HWY_INLINE VU ScrambleReversed(VU x, VU seed) {
-  x = hn::Xor(x, hn::Mul(x, SetU(0x3d20adeau)));
-  x = hn::Add(x, seed);
-  x = hn::Mul(x, hn::Or(hn::ShiftRight<16>(seed), SetU(1)));
-  x = hn::Xor(x, hn::Mul(x, SetU(0x05526c56u)));
-  return hn::Xor(x, hn::Mul(x, SetU(0x53a22864u)));
+  x = hn::Xor(x, x * SetU(0x3d20adeau));
+  x = x + seed;
+  x = x * hn::Or(hn::ShiftRight<16>(seed), SetU(1));
+  x = hn::Xor(x, x * SetU(0x05526c56u));
+  return hn::Xor(x, x * SetU(0x53a22864u));
 }
 
 // Returns the bit-reversed second Sobol' coordinate of index x. Its generator matrix is Pascal's
@@ -35,9 +35,9 @@ HWY_INLINE VU SecondSobolReversed(VU x) {
 // Mixes all bits (Wellons 2018, "lowbias32").
 HWY_INLINE VU Mix(VU x) {
   x = hn::Xor(x, hn::ShiftRight<16>(x));
-  x = hn::Mul(x, SetU(0x7feb352du));
+  x = x * SetU(0x7feb352du);
   x = hn::Xor(x, hn::ShiftRight<15>(x));
-  x = hn::Mul(x, SetU(0x846ca68bu));
+  x = x * SetU(0x846ca68bu);
   return hn::Xor(x, hn::ShiftRight<16>(x));
 }
 
@@ -64,11 +64,11 @@ void DrawUniforms(const PathColumns& paths, const std::uint32_t* rows, std::uint
       seed = Load(paths.seed + i);
       sample = Load(paths.sample + i);
     }
-    const VU index = hn::Add(hn::Mul(sample, stride), offset);
+    const VU index = sample * stride + offset;
     const VU base = Mix(hn::Xor(seed, key));
-    const VU shuffle_seed = hn::Mul(base, SetU(0x85EBCA6Bu));
+    const VU shuffle_seed = base * SetU(0x85EBCA6Bu);
     const VU u_seed = Mix(base);
-    const VU v_seed = hn::Xor(hn::Mul(u_seed, SetU(0xC2B2AE35u)), hn::ShiftRight<15>(u_seed));
+    const VU v_seed = hn::Xor(u_seed * SetU(0xC2B2AE35u), hn::ShiftRight<15>(u_seed));
     const VU shuffled = ReverseBits(ScrambleReversed(ReverseBits(index), shuffle_seed));
     const VU u = ReverseBits(ScrambleReversed(shuffled, u_seed));
     const VU v = ReverseBits(ScrambleReversed(SecondSobolReversed(shuffled), v_seed));

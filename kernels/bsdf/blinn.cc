@@ -26,21 +26,20 @@ struct Blinn {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF toward = Clamp(Dot(wo, h), 1e-6f, 1.0f);
-    const VF scale = hn::Mul(hn::Add(exponent, Set(2.0f)), Set(0.5f * kInvPi));
-    const VF d = hn::Mul(scale, Pow(h.z, exponent));
+    const VF scale = (exponent + 2.0f) * (0.5f * kInvPi);
+    const VF d = scale * Pow(h.z, exponent);
     const VF lower = hn::Min(wo.z, wi.z);
-    const VF g = hn::Min(hn::Div(hn::Mul(Set(2.0f), hn::Mul(h.z, lower)), toward), one);
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const VF g = hn::Min(2.0f * (h.z * lower) / toward, one);
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
     const V3 fresnel = FresnelConductor(toward, eta, k);
-    return {Scale(Mul(color, fresnel), hn::Mul(hn::Mul(d, g), quarter_over_cos)),
-            hn::Div(hn::Mul(d, h.z), hn::Mul(Set(4.0f), toward))};
+    return {color * fresnel * (d * g * quarter_over_cos), d * h.z / (4.0f * toward)};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
     const VF one = Set(1.0f), two = Set(2.0f);
-    const V3 h = AboutPole(u, Pow(v, hn::Div(one, hn::Add(exponent, two))));
+    const V3 h = AboutPole(u, Pow(v, one / (exponent + two)));
     const VF toward = Dot(wo, h);
-    const V3 wi = Sub(Scale(h, hn::Mul(two, toward)), wo);
+    const V3 wi = h * (two * toward) - wo;
     BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
     // A facet that looks away reflects nothing.
     sample.pdf = hn::IfThenElseZero(hn::Gt(toward, hn::Zero(F())), sample.pdf);

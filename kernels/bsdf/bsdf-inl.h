@@ -44,8 +44,8 @@ struct BsdfSample {
 };
 
 HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
-  const VF inverse = hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)));
-  return {wi, Scale(value.value, inverse), value.pdf};
+  const VF inverse = 1.0f / hn::Max(value.pdf, Set(1e-30f));
+  return {wi, value.value * inverse, value.pdf};
 }
 
 // One vector of surfaces as every BSDF sees it.
@@ -70,8 +70,7 @@ HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint
 using enum MaterialField;
 // These gather a field of each row's material; MaterialFields returns `fields`.
 HWY_INLINE VF Field(const MaterialView& m, VU fields, MaterialField field) {
-  return Gather(reinterpret_cast<const float*>(m.records),
-                hn::Add(fields, SetU(std::uint32_t(field))));
+  return Gather(reinterpret_cast<const float*>(m.records), fields + SetU(std::uint32_t(field)));
 }
 HWY_INLINE VU IndexField(const MaterialView& m, VU fields, MaterialField field) {
   return AsBits(Field(m, fields, field));
@@ -86,7 +85,7 @@ HWY_INLINE V3 Field3(const MaterialView& m, VU fields, MaterialField field) {
 // Returns what Varying::kSecondColor has.
 HWY_INLINE V3 VariedColor(const SurfaceColumns& s, std::uint32_t i) {
   const VU pair = AsBits(Load(s.varying_0 + i));
-  const auto share = [](VU bits) HWY_ATTR { return hn::Mul(ToFloat(bits), Set(1.0f / 65535)); };
+  const auto share = [](VU bits) HWY_ATTR { return ToFloat(bits) * (1.0f / 65535); };
   return {share(hn::And(pair, SetU(65535))), share(hn::ShiftRight<16>(pair)),
           Load(s.varying_1 + i)};
 }
@@ -108,15 +107,15 @@ HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
 HWY_INLINE VF IndexRatio(const SurfaceColumns& s, const MaterialView& m, VU fields,
                          std::uint32_t i) {
   const VF ior = Field(m, fields, kIor);
-  return IfThen(SeenFromBehind(s, i), ior, hn::Div(Set(1.0f), ior));
+  return IfThen(SeenFromBehind(s, i), ior, 1.0f / ior);
 }
 
 // Returns the factor that flux gets where radiance gets 1, for a shading normal ns (Veach 1997,
 // eq. 5.19). Directions are in world space or local. The factor is exactly 1 if ns is ng.
 HWY_INLINE VF ShadingNormalFactor(const V3& ns, const V3& ng, const V3& wo, const V3& wi) {
-  const VF over = hn::Mul(hn::Abs(Dot(wo, ns)), hn::Abs(Dot(wi, ng)));
-  const VF under = hn::Mul(hn::Abs(Dot(wo, ng)), hn::Abs(Dot(wi, ns)));
-  return hn::Div(over, hn::Max(under, Set(1e-20f)));
+  const VF over = hn::Abs(Dot(wo, ns)) * hn::Abs(Dot(wi, ng));
+  const VF under = hn::Abs(Dot(wo, ng)) * hn::Abs(Dot(wi, ns));
+  return over / hn::Max(under, Set(1e-20f));
 }
 
 // Returns the lanes where light can come from world direction wi: from above the surface as it is
@@ -134,10 +133,8 @@ HWY_INLINE MF Connects(const ShadingLanes& lanes, const V3& world_wi, const V3& 
 HWY_INLINE void MoveOrigins(const SurfaceColumns& s, const ShadingLanes& lanes, const V3& world,
                             std::uint32_t i, std::uint32_t n) {
   const VF zero = hn::Zero(F()), lift = Load(s.lift + i);
-  const VF toward =
-      IfThen(hn::Lt(Dot(lanes.ng, world), zero), hn::Neg(hn::Abs(lift)), hn::Abs(lift));
-  const V3 moved =
-      Add(Load3(s.org_x + i, s.org_y + i, s.org_z + i), Scale(lanes.ng, hn::Sub(toward, lift)));
+  const VF toward = IfThen(hn::Lt(Dot(lanes.ng, world), zero), -hn::Abs(lift), hn::Abs(lift));
+  const V3 moved = Load3(s.org_x + i, s.org_y + i, s.org_z + i) + lanes.ng * (toward - lift);
   StoreBelow(moved.x, s.org_x, i, n);
   StoreBelow(moved.y, s.org_y, i, n);
   StoreBelow(moved.z, s.org_z, i, n);
@@ -180,36 +177,36 @@ class DiffuseControl {
   HWY_INLINE DiffuseControl(const LightControl& control, const Bsdf& bsdf,
                             const ShadingLanes& lanes, std::uint32_t i, MU rows)
       : weight_(control.weight == nullptr ? Set(1.0f) : Load(control.weight + i)),
-        diffuse_(Scale(bsdf.Diffuse(lanes.wo), weight_)),
+        diffuse_(bsdf.Diffuse(lanes.wo) * weight_),
         front_(control.irradiance, lanes.frame.n, rows),
         through_(diffuse_),
         back_(front_) {
     if constexpr (kDiffuseThrough<Bsdf>) {
       const VF zero = hn::Zero(F());
-      through_ = Scale(bsdf.DiffuseThrough(lanes.wo), weight_);
-      back_ = IrradianceLanes(control.irradiance, Sub(V3{zero, zero, zero}, lanes.frame.n), rows);
+      through_ = bsdf.DiffuseThrough(lanes.wo) * weight_;
+      back_ = IrradianceLanes(control.irradiance, V3{zero, zero, zero} - lanes.frame.n, rows);
     }
   }
 
   // Returns the value of the control in a direction, whose whole value is `value`.
   HWY_INLINE V3 Value(const V3& world, const V3& wi, const V3& value) const {
     MF counts = front_.Counts(world);
-    V3 known = Scale(diffuse_, wi.z);
+    V3 known = diffuse_ * wi.z;
     if constexpr (kDiffuseThrough<Bsdf>) {
       const MF through = back_.Counts(world);
-      known = IfThen(through, Scale(through_, hn::Neg(wi.z)), known);
+      known = IfThen(through, through_ * (-wi.z), known);
       counts = hn::Or(counts, through);
     }
-    if constexpr (kOnlyDiffuse<Bsdf>) known = Scale(value, weight_);
+    if constexpr (kOnlyDiffuse<Bsdf>) known = value * weight_;
     return {hn::IfThenElseZero(counts, known.x), hn::IfThenElseZero(counts, known.y),
             hn::IfThenElseZero(counts, known.z)};
   }
 
   // Returns the integral of radiance times the control.
   HWY_INLINE V3 Integral() const {
-    V3 integral = Mul(diffuse_, front_.Integral());
+    V3 integral = diffuse_ * front_.Integral();
     if constexpr (kDiffuseThrough<Bsdf>) {
-      integral = Add(integral, Mul(through_, back_.Integral()));
+      integral = integral + through_ * back_.Integral();
     }
     return integral;
   }
@@ -251,17 +248,17 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const V3 wi = ToLocal(lanes.frame, world);
     const VF pdf = Load(lights.pdf + i);
     const BsdfValue result = EvaluateLight(bsdf, lanes.wo, wi, pdf);
-    VF factor = hn::Div(one, pdf);
+    VF factor = one / pdf;
     if (mis.enabled) {
       // p / (p^2 + q^2) is the weight p^2 / (p^2 + q^2) over p.
-      const VF q = hn::Mul(result.pdf, Set(mis.bsdf_samples));
-      const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(q, q);
-      factor = hn::Div(pdf, hn::Add(p2, q2));
+      const VF q = result.pdf * mis.bsdf_samples;
+      const VF p2 = pdf * pdf, q2 = q * q;
+      factor = pdf / (p2 + q2);
     }
     factor = IfThen(hn::Ge(pdf, Set(kPunctual)), one, factor);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
-    const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
+    const V3 gain = throughput * result.value * radiance * factor;
     const MF counts = hn::And(hn::And(Connects<Bsdf>(lanes, world, wi), hn::Gt(pdf, zero)),
                               hn::Gt(MaxComponent(gain), zero));
     StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
@@ -274,10 +271,10 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
       if (control->reach != nullptr) {
         sampled = hn::And(sampled, hn::Eq(Load(control->reach + i), open));
       }
-      const V3 known = Mul(Mul(throughput, diffuse.Value(world, wi, result.value)), radiance);
-      V3 subtracted = IfThen(sampled, Scale(known, factor), V3{zero, zero, zero});
+      const V3 known = throughput * diffuse.Value(world, wi, result.value) * radiance;
+      V3 subtracted = IfThen(sampled, known * factor, V3{zero, zero, zero});
       if (control->with_integral) {
-        subtracted = Sub(subtracted, Mul(throughput, diffuse.Integral()));
+        subtracted = subtracted - throughput * diffuse.Integral();
       }
       Store3(subtracted, control->out.r + i, control->out.g + i, control->out.b + i);
     }
@@ -315,7 +312,7 @@ struct CellWeights {
       : lanes(s, i), bsdf(s, materials, i, n) {
     // The least weight is a tenth of the mean over the hemisphere of a diffuse surface of this
     // colour, or of one of 4 %.
-    least = hn::Mul(Set(0.05f * kInvPi), hn::Max(Luminance(ColorOf(s, i)), Set(0.04f)));
+    least = (0.05f * kInvPi) * hn::Max(Luminance(ColorOf(s, i)), Set(0.04f));
   }
 
   HWY_INLINE VF Weight(const V3& dir, VF energy, VF radius, VF reach) const {
@@ -330,12 +327,12 @@ struct CellWeights {
     }
     if constexpr (kTransmits<Bsdf>) {
       value = IfThen(Connects<Bsdf>(lanes, dir, wi), value, zero);
-      return hn::Mul(hn::Max(value, least), energy);
+      return hn::Max(value, least) * energy;
     }
     value = hn::Max(IfThen(hn::Gt(height, zero), value, zero), least);
     // A cell that is mostly below the horizon has little light above it, and that is grazing.
-    const VF above = Clamp(hn::Add(one, hn::Div(height, reach)), 0.0f, 1.0f);
-    return hn::Mul(hn::Mul(value, energy), hn::Mul(above, above));
+    const VF above = Clamp(one + height / reach, 0.0f, 1.0f);
+    return value * energy * (above * above);
   }
 
   ShadingLanes lanes;
@@ -352,8 +349,8 @@ void WeighCellsRows(const SurfaceColumns& s, const MaterialView& materials, std:
     VF sum = hn::Zero(F());
     for (std::uint32_t k = 0; k < count; ++k) {
       const LightCell& cell = cells[k];
-      sum = hn::Add(
-          sum, weights.Weight(Set3(cell.dir), Set(cell.energy), Set(cell.radius), Set(cell.reach)));
+      sum =
+          sum + weights.Weight(Set3(cell.dir), Set(cell.energy), Set(cell.radius), Set(cell.reach));
       Store(sum, sums + std::size_t(k) * stride + i);
     }
   }
@@ -366,8 +363,7 @@ void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const CellWeights<Bsdf> weights(s, materials, i, n);
     const VU at = hn::ShiftLeft<kLogCellWords>(hn::IfThenElseZero(RowsBelow(i, n), Load(cell + i)));
-    const auto field = [&](std::uint32_t f)
-                           HWY_ATTR { return Gather(fields, hn::Add(at, SetU(f))); };
+    const auto field = [&](std::uint32_t f) HWY_ATTR { return Gather(fields, at + SetU(f)); };
     const V3 dir = {field(SKYWAVE_WORD(LightCell, dir[0])), field(SKYWAVE_WORD(LightCell, dir[1])),
                     field(SKYWAVE_WORD(LightCell, dir[2]))};
     Store(weights.Weight(dir, field(SKYWAVE_WORD(LightCell, energy)),
@@ -400,33 +396,33 @@ HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingL
                                          const ScatterPolicy& policy, const RayColumns& rays,
                                          std::uint32_t to, const V3* control = nullptr) {
   const VF zero = hn::Zero(F());
-  V3 throughput = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), weight);
+  V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i) * weight;
   VF largest = MaxComponent(throughput);
   V3 known = throughput;
   if (control != nullptr) {
-    known = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), *control);
+    known = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i) * (*control);
     largest = hn::Max(largest, MaxComponent(known));
   }
   alive = hn::And(alive, hn::Gt(largest, zero));
   if (policy.roulette) {
     if (policy.transport == Transport::kFlux) {
-      largest = hn::Div(
-          largest, MaxComponent(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i)));
+      largest =
+          largest / MaxComponent(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i));
     }
     const VF survival = hn::Min(largest, Set(1.0f));
     alive = hn::And(alive, hn::Lt(roulette, survival));
-    throughput = Scale(throughput, hn::Div(Set(1.0f), survival));
-    if (control != nullptr) known = Scale(known, hn::Div(Set(1.0f), survival));
+    throughput = throughput * (1.0f / survival);
+    if (control != nullptr) known = known * (1.0f / survival);
   }
   const MU rows = hn::And(hn::RebindMask(U(), alive), RowsBelow(i, n));
   const RowCompressor append(rows);
   if (append.count() == 0) return to;
 
   const V3 front = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
-  const VF thickness = hn::Mul(Set(2.0f), Load(s.lift + i));
+  const VF thickness = 2.0f * Load(s.lift + i);
   MF through = hn::Lt(Dot(lanes.ng, world), zero);
   if constexpr (kMoved) through = hn::Xor(through, hn::Lt(thickness, zero));
-  const V3 origin = IfThen(through, Sub(front, Scale(lanes.ng, thickness)), front);
+  const V3 origin = IfThen(through, front - lanes.ng * thickness, front);
   append.Append(origin.x, rays.org_x + to);
   append.Append(origin.y, rays.org_y + to);
   append.Append(origin.z, rays.org_z + to);
@@ -465,9 +461,9 @@ std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView&
       VF factor = ShadingNormalFactor(lanes.frame.n, lanes.ng, wo, world);
       if constexpr (kRefracts<Bsdf>) {
         const MF through = hn::Lt(sample.wi.z, hn::Zero(F()));
-        factor = IfThen(through, hn::Div(factor, hn::Mul(bsdf.ratio, bsdf.ratio)), factor);
+        factor = IfThen(through, factor / (bsdf.ratio * bsdf.ratio), factor);
       }
-      weight = Scale(weight, factor);
+      weight = weight * factor;
     }
     const MF connects = Connects<Bsdf>(lanes, world, sample.wi);
     const VF zero = hn::Zero(F()), roulette = Load(uniforms.lobe.v + i);
@@ -477,7 +473,7 @@ std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView&
       const DiffuseControl<Bsdf> diffuse(*policy.control, bsdf, lanes, i, RowsBelow(i, n));
       V3 control = weight;
       if constexpr (!kOnlyDiffuse<Bsdf>) {
-        control = Scale(sample.wi, hn::Div(Set(1.0f), hn::Max(sample.pdf, Set(1e-30f))));
+        control = sample.wi * (1.0f / hn::Max(sample.pdf, Set(1e-30f)));
       }
       control = diffuse.Value(world, control, weight);
       weight = IfThen(connects, weight, V3{zero, zero, zero});
@@ -511,21 +507,20 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
 // Returns the unpolarised Fresnel reflectance of a conductor of index eta + i k at cosine c of the
 // angle of incidence (Born and Wolf, 14.2); it is 1 for eta = k = 0.
 HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
-  const VF c2 = hn::Mul(c, c), s2 = hn::Sub(Set(1.0f), c2);
-  const VF eta2 = hn::Mul(eta, eta), k2 = hn::Mul(k, k);
-  const VF t0 = hn::Sub(hn::Sub(eta2, k2), s2);
-  const VF a2_plus_b2 = hn::Sqrt(hn::Add(hn::Mul(t0, t0), hn::Mul(Set(4.0f), hn::Mul(eta2, k2))));
-  const VF t1 = hn::Add(a2_plus_b2, c2);
-  const VF a = SafeSqrt(hn::Mul(Set(0.5f), hn::Add(a2_plus_b2, t0)));
-  const VF t2 = hn::Mul(hn::Mul(Set(2.0f), a), c);
-  const VF rs = hn::Div(hn::Sub(t1, t2), hn::Add(t1, t2));
-  const VF t3 = hn::Add(hn::Mul(c2, a2_plus_b2), hn::Mul(s2, s2));
-  const VF t4 = hn::Mul(t2, s2);
+  const VF c2 = c * c, s2 = 1.0f - c2;
+  const VF eta2 = eta * eta, k2 = k * k;
+  const VF t0 = eta2 - k2 - s2;
+  const VF a2_plus_b2 = hn::Sqrt(t0 * t0 + 4.0f * (eta2 * k2));
+  const VF t1 = a2_plus_b2 + c2;
+  const VF a = SafeSqrt(0.5f * (a2_plus_b2 + t0));
+  const VF t2 = 2.0f * a * c;
+  const VF rs = (t1 - t2) / (t1 + t2);
+  const VF t3 = c2 * a2_plus_b2 + s2 * s2;
+  const VF t4 = t2 * s2;
   // At normal incidence on a perfect mirror t3 = t4 = 0.
   const VF tiny = Set(1e-30f);
-  const VF rp =
-      hn::Mul(rs, hn::Div(hn::Add(hn::Sub(t3, t4), tiny), hn::Add(hn::Add(t3, t4), tiny)));
-  return hn::Mul(Set(0.5f), hn::Add(rs, rp));
+  const VF rp = rs * ((t3 - t4 + tiny) / (t3 + t4 + tiny));
+  return 0.5f * (rs + rp);
 }
 HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
   return {FresnelConductor(c, eta.x, k.x), FresnelConductor(c, eta.y, k.y),
@@ -540,24 +535,23 @@ struct Refraction {
 };
 HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
   const VF one = Set(1.0f);
-  const VF ratio2 = hn::Mul(ratio, ratio);
-  const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
+  const VF ratio2 = ratio * ratio;
+  const VF sin2_t = ratio2 * (one - cos_o * cos_o);
   const MF total = hn::Ge(sin2_t, one);
-  const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
+  const VF cos_t = SafeSqrt(one - sin2_t);
   // These are the amplitudes for both polarisations, divided by the index on the far side.
-  const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
-  const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
-  const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
-  const VF both = hn::Mul(
-      Set(0.5f), hn::Add(hn::Mul(parallel, parallel), hn::Mul(perpendicular, perpendicular)));
+  const VF ro = ratio * cos_o, rt = ratio * cos_t;
+  const VF parallel = (cos_o - rt) / (cos_o + rt);
+  const VF perpendicular = (ro - cos_t) / (ro + cos_t);
+  const VF both = 0.5f * (parallel * parallel + perpendicular * perpendicular);
   return {IfThen(total, one, both), cos_t};
 }
 
 // Returns the normal about which a delta BSDF acts, in world space: the shading normal, or the
 // geometric one where the reflection about the shading normal would go into the surface.
 HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
-  const VF twice = hn::Mul(Set(2.0f), Dot(ns, wo));
-  const V3 reflected = Sub(Scale(ns, twice), wo);
+  const VF twice = 2.0f * Dot(ns, wo);
+  const V3 reflected = ns * twice - wo;
   return IfThen(hn::Gt(Dot(reflected, ng), hn::Zero(F())), ns, ng);
 }
 

@@ -22,21 +22,20 @@ namespace HWY_NAMESPACE {
 // the probability `share`.
 HWY_INLINE BsdfValue Layer(const V3& own, VF own_pdf, VF o, VF i, VF share,
                            const BsdfValue& below) {
-  const VF through = hn::Sub(Set(1.0f), hn::Max(o, i));
-  return {Add(own, Scale(below.value, through)),
-          hn::Add(below.pdf, hn::Mul(share, hn::Sub(own_pdf, below.pdf)))};
+  const VF through = 1.0f - hn::Max(o, i);
+  return {own + below.value * through, below.pdf + share * (own_pdf - below.pdf)};
 }
 
 // Returns the probability with which a layer of this albedo is drawn, as if the BSDF below
 // reflected one half.
 HWY_INLINE VF LayerShare(VF albedo) {
-  const VF below = hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), albedo));
-  const VF share = Clamp(hn::Div(albedo, hn::Max(hn::Add(albedo, below), Set(1e-6f))), 0.1f, 0.9f);
+  const VF below = 0.5f * (1.0f - albedo);
+  const VF share = Clamp(albedo / hn::Max(albedo + below, Set(1e-6f)), 0.1f, 0.9f);
   return hn::IfThenElseZero(hn::Gt(albedo, hn::Zero(F())), share);
 }
 // Makes the uniform of a lobe that was not below `share` uniform in [0, 1) again.
 HWY_INLINE VF BelowLayer(VF lobe, VF share) {
-  return Clamp(hn::Div(hn::Sub(lobe, share), hn::Sub(Set(1.0f), share)), 0.0f, 0x1.fffffep-1f);
+  return Clamp((lobe - share) / (1.0f - share), 0.0f, 0x1.fffffep-1f);
 }
 
 // `Parameters` reads strength, width and F0 (Schlick) of the coat of each row.
@@ -51,32 +50,31 @@ struct Coated {
 
   HWY_INLINE VF Albedo(VF cosine) const {
     const VF all = ggx.Table(tables.albedo, cosine), grazing = ggx.Table(tables.grazing, cosine);
-    const VF albedo = hn::Add(grazing, hn::Mul(parameters.f0, hn::Sub(all, grazing)));
-    return hn::Mul(parameters.strength, albedo);
+    const VF albedo = grazing + parameters.f0 * (all - grazing);
+    return parameters.strength * albedo;
   }
   HWY_INLINE VF Reflectance(const V3& wo, const V3& h) const {
-    const VF one = Set(1.0f), away = hn::Sub(one, Clamp(Dot(wo, h), 0.0f, 1.0f));
-    const VF away2 = hn::Mul(away, away), away5 = hn::Mul(hn::Mul(away2, away2), away);
-    const VF fresnel = hn::Add(parameters.f0, hn::Mul(away5, hn::Sub(one, parameters.f0)));
-    return hn::Mul(parameters.strength, fresnel);
+    const VF one = Set(1.0f), away = one - Clamp(Dot(wo, h), 0.0f, 1.0f);
+    const VF away2 = away * away, away5 = away2 * away2 * away;
+    const VF fresnel = parameters.f0 + away5 * (one - parameters.f0);
+    return parameters.strength * fresnel;
   }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    const VF coat = hn::Mul(Reflectance(wo, Ggx::HalfVector(wo, wi)), ggx.Blurred(wo, wi, radius));
-    const VF through = hn::Sub(Set(1.0f), hn::Max(Albedo(wo.z), Albedo(wi.z)));
-    return hn::Add(coat, hn::Mul(through, base.Blurred(wo, wi, radius)));
+    const VF coat = Reflectance(wo, Ggx::HalfVector(wo, wi)) * ggx.Blurred(wo, wi, radius);
+    const VF through = 1.0f - hn::Max(Albedo(wo.z), Albedo(wi.z));
+    return coat + through * base.Blurred(wo, wi, radius);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
-    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
+    const VF lobe = d * (0.25f / hn::Max(wo.z, Set(1e-6f)));
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
-    const VF own =
-        hn::Mul(Reflectance(wo, h), hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i)));
+    const VF own = Reflectance(wo, h) * (lobe / (one + lambda_o + lambda_i));
     const VF albedo_o = Albedo(wo.z);
-    return Layer({own, own, own}, hn::Div(lobe, hn::Add(one, lambda_o)), albedo_o, Albedo(wi.z),
+    return Layer({own, own, own}, lobe / (one + lambda_o), albedo_o, Albedo(wi.z),
                  LayerShare(albedo_o), base.Evaluate(wo, wi));
   }
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
@@ -91,7 +89,7 @@ struct Coated {
   template <class Below = Base>
   HWY_INLINE auto Diffuse(const V3& wo) const
       -> decltype(std::declval<const Below&>().Diffuse(wo)) {
-    return Scale(base.Diffuse(wo), hn::Sub(Set(1.0f), Albedo(wo.z)));
+    return base.Diffuse(wo) * (1.0f - Albedo(wo.z));
   }
 
   Base base;
@@ -113,35 +111,32 @@ struct Sheened {
         tables(*m.sheen) {}
 
   HWY_INLINE VF Albedo(VF cosine) const {
-    return hn::Mul(MaxComponent(color), width.Table(tables.albedo, cosine));
+    return MaxComponent(color) * width.Table(tables.albedo, cosine);
   }
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    const VF through = hn::Sub(Set(1.0f), hn::Max(Albedo(wo.z), Albedo(wi.z)));
-    return hn::Add(hn::Mul(Luminance(color), Lobe(wo, wi)),
-                   hn::Mul(through, base.Blurred(wo, wi, radius)));
+    const VF through = 1.0f - hn::Max(Albedo(wo.z), Albedo(wi.z));
+    return Luminance(color) * Lobe(wo, wi) + through * base.Blurred(wo, wi, radius);
   }
   HWY_INLINE VF Lobe(const V3& wo, const V3& wi) const {
-    const VF power = hn::Div(Set(1.0f), width.alpha);
+    const VF power = 1.0f / width.alpha;
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF sine = SafeSqrt(hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y)));
-    const VF d = hn::Mul(hn::Mul(hn::Add(Set(2.0f), power), Set(0.5f * kInvPi)), Pow(sine, power));
-    const VF spread = hn::Sub(hn::Add(wo.z, wi.z), hn::Mul(wo.z, wi.z));
-    const VF visible = hn::Div(Set(0.25f), hn::Max(spread, Set(1e-6f)));
-    return hn::Mul(hn::Mul(d, visible), hn::Mul(width.Mean(tables.scale), wi.z));
+    const VF sine = SafeSqrt(h.x * h.x + h.y * h.y);
+    const VF d = (2.0f + power) * (0.5f * kInvPi) * Pow(sine, power);
+    const VF spread = wo.z + wi.z - wo.z * wi.z;
+    const VF visible = 0.25f / hn::Max(spread, Set(1e-6f));
+    return d * visible * (width.Mean(tables.scale) * wi.z);
   }
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const VF albedo_o = Albedo(wo.z);
-    return Layer(Scale(color, Lobe(wo, wi)), hn::Mul(wi.z, Set(kInvPi)), albedo_o, Albedo(wi.z),
-                 LayerShare(albedo_o), base.Evaluate(wo, wi));
+    return Layer(color * Lobe(wo, wi), wi.z * kInvPi, albedo_o, Albedo(wi.z), LayerShare(albedo_o),
+                 base.Evaluate(wo, wi));
   }
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
     const VF share = LayerShare(Albedo(wo.z));
     return IfThen(hn::Lt(lobe, share), CosineHemisphere(u, v),
                   base.Direction(wo, u, v, BelowLayer(lobe, share)));
   }
-  HWY_INLINE V3 Diffuse(const V3& wo) const {
-    return Scale(base.Diffuse(wo), hn::Sub(Set(1.0f), Albedo(wo.z)));
-  }
+  HWY_INLINE V3 Diffuse(const V3& wo) const { return base.Diffuse(wo) * (1.0f - Albedo(wo.z)); }
 
   Base base;
   Parameters parameters;

@@ -36,8 +36,8 @@ struct CoveredMetal {
     coat.metals = coat.Approach(own, lanes, kCoatWords);
     coat.over_metals = true;
     // This is WidthUnderCoat.
-    const VF tilt = hn::Mul(hn::Mul(Set(0.5f), hn::Sub(one, hn::Div(one, ior))), width);
-    const VF wider2 = hn::Add(hn::Mul(own, own), hn::Mul(Set(2.0f), hn::Mul(tilt, tilt)));
+    const VF tilt = 0.5f * (one - one / ior) * width;
+    const VF wider2 = own * own + 2.0f * (tilt * tilt);
     const VF wider = Clamp(hn::Sqrt(wider2), 1e-3f, 1.0f);
     ggx = Ggx(IfThen(hn::RebindMask(F(), lanes), wider, own));
     return width;
@@ -45,16 +45,16 @@ struct CoveredMetal {
 
   // Refracts a direction into the coat.
   HWY_INLINE V3 Inside(const V3& w) const {
-    const VF inverse = hn::Div(Set(1.0f), ior);
-    const VF x = hn::Mul(w.x, inverse), y = hn::Mul(w.y, inverse);
-    const VF sine2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
-    return {x, y, SafeSqrt(hn::Sub(Set(1.0f), sine2))};
+    const VF inverse = 1.0f / ior;
+    const VF x = w.x * inverse, y = w.y * inverse;
+    const VF sine2 = x * x + y * y;
+    return {x, y, SafeSqrt(1.0f - sine2)};
   }
   // Refracts a direction out of the coat; what is reflected totally points into the surface.
   HWY_INLINE V3 Outside(const V3& w) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
-    const VF x = hn::Mul(w.x, ior), y = hn::Mul(w.y, ior);
-    const VF cosine2 = hn::Sub(one, hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+    const VF x = w.x * ior, y = w.y * ior;
+    const VF cosine2 = one - (x * x + y * y);
     const MF leaves = hn::And(hn::Gt(cosine2, zero), hn::Gt(w.z, zero));
     return IfThen(leaves, V3{x, y, SafeSqrt(cosine2)}, V3{zero, zero, Set(-1.0f)});
   }
@@ -63,17 +63,16 @@ struct CoveredMetal {
     const VF one = Set(1.0f), tiny = Set(1e-6f);
     const V3 o = Inside(wo), i = Inside(wi);
     const V3 h = Ggx::HalfVector(o, i);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     const VF lambda_o = ggx.Lambda(o), lambda_i = ggx.Lambda(i);
     // A solid angle in the coat is this part of that outside.
-    const VF squeezed = hn::Div(wi.z, hn::Mul(hn::Mul(ior, ior), hn::Max(i.z, tiny)));
-    const VF lobe = hn::Mul(hn::Mul(d, squeezed), hn::Div(Set(0.25f), hn::Max(o.z, tiny)));
-    const VF single = hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const VF squeezed = wi.z / (ior * ior * hn::Max(i.z, tiny));
+    const VF lobe = d * squeezed * (0.25f / hn::Max(o.z, tiny));
+    const VF single = lobe / (one + lambda_o + lambda_i);
     const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(o, h)), one), eta, k);
-    const V3 through = Mul(coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wo.z)),
-                           coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wi.z)));
-    return {Scale(Mul(Mul(color, fresnel), through), single),
-            hn::Div(lobe, hn::Add(one, lambda_o))};
+    const V3 through = coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wo.z)) *
+                       coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wi.z));
+    return {color * fresnel * through * single, lobe / (one + lambda_o)};
   }
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF) const {
     return Outside(ggx.Reflect(Inside(wo), u, v));
@@ -81,8 +80,8 @@ struct CoveredMetal {
   // Refraction widens the lobe. The Fresnel reflectance is left out: it is nearly the same for all
   // wi that matter.
   HWY_INLINE VF Blurred(const CoatLanes&, const V3& wo, const V3& wi, VF radius) const {
-    const Ggx wide(Clamp(hn::Mul(ggx.alpha, ior), 1e-3f, 1.0f));
-    return hn::Mul(Luminance(color), wide.Blurred(wo, wi, radius));
+    const Ggx wide(Clamp(ggx.alpha * ior, 1e-3f, 1.0f));
+    return Luminance(color) * wide.Blurred(wo, wi, radius);
   }
 
   VU fields;

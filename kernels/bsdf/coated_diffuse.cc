@@ -39,23 +39,22 @@ struct DiffuseBody {
   // Returns the colour after all reflections between body and coat.
   HWY_INLINE V3 Repeated(const CoatLanes& coat) const {
     const V3 returned = coat.Constants(offsetof(CoatTable, returned));
-    const auto series = [&](VF r, VF back) HWY_ATTR {
-      return hn::Div(r, hn::Max(hn::Sub(Set(1.0f), hn::Mul(r, back)), Set(1e-6f)));
-    };
+    const auto series = [&](VF r, VF back)
+                            HWY_ATTR { return r / hn::Max(1.0f - r * back, Set(1e-6f)); };
     return {series(color.x, returned.x), series(color.y, returned.y), series(color.z, returned.z)};
   }
 
   HWY_INLINE BsdfValue Evaluate(const CoatLanes& coat, const V3& wo, const V3& wi) const {
-    const V3 both = Mul(Through(coat, wo.z), Through(coat, wi.z));
-    return {Scale(Mul(Repeated(coat), both), wi.z), hn::Mul(wi.z, Set(kInvPi))};
+    const V3 both = Through(coat, wo.z) * Through(coat, wi.z);
+    return {Repeated(coat) * both * wi.z, wi.z * kInvPi};
   }
   HWY_INLINE V3 Direction(const V3&, VF u, VF v, VF) const { return CosineHemisphere(u, v); }
   HWY_INLINE V3 Diffuse(const CoatLanes& coat, const V3& wo) const {
     const V3 mean = coat.Constants(offsetof(CoatTable, mean_through));
-    return Mul(Mul(Repeated(coat), Through(coat, wo.z)), mean);
+    return Repeated(coat) * Through(coat, wo.z) * mean;
   }
   HWY_INLINE VF Blurred(const CoatLanes& coat, const V3& wo, const V3& wi, VF) const {
-    return hn::Mul(Luminance(Diffuse(coat, wo)), wi.z);
+    return Luminance(Diffuse(coat, wo)) * wi.z;
   }
 
   VU fields;

@@ -37,29 +37,29 @@ struct Conductor {
 
   // The Fresnel reflectance is left out: it is nearly the same for all wi that matter.
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    return hn::Mul(Luminance(color), ggx.Blurred(wo, wi, radius));
+    return Luminance(color) * ggx.Blurred(wo, wi, radius);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
     const VF one = Set(1.0f);
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
-    const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
-    const VF g1 = hn::Div(one, hn::Add(one, lambda_o));
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
+    const VF g2 = one / (one + lambda_o + lambda_i);
+    const VF g1 = one / (one + lambda_o);
     const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(wo, h)), one), eta, k);
-    const VF single = hn::Mul(hn::Mul(d, g2), quarter_over_cos);
-    const VF lost_o = hn::Sub(one, Albedo(wo.z)), lost_i = hn::Sub(one, Albedo(wi.z));
-    const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), wi.z);
-    const V3 value = Mul(color, Add(Scale(fresnel, single), Scale(multiscatter, multiple)));
-    const VF visible = hn::Mul(hn::Mul(d, g1), quarter_over_cos);
-    const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
-    return {value, hn::Add(visible, hn::Mul(lost_o, hn::Sub(diffuse, visible)))};
+    const VF single = d * g2 * quarter_over_cos;
+    const VF lost_o = one - Albedo(wo.z), lost_i = one - Albedo(wi.z);
+    const VF multiple = lost_o * lost_i * wi.z;
+    const V3 value = color * (fresnel * single + multiscatter * multiple);
+    const VF visible = d * g1 * quarter_over_cos;
+    const VF diffuse = wi.z * kInvPi;
+    return {value, visible + lost_o * (diffuse - visible)};
   }
 
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
-    const MF multiple = hn::Lt(lobe, hn::Sub(Set(1.0f), Albedo(wo.z)));
+    const MF multiple = hn::Lt(lobe, 1.0f - Albedo(wo.z));
     return IfThen(multiple, CosineHemisphere(u, v), ggx.Reflect(wo, u, v));
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {

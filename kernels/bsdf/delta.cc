@@ -39,13 +39,12 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
     const VF cosine = Dot(normal, wo);
-    const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
+    const V3 wi = normal * (2.0f * cosine) - wo;
     const VU fields = MaterialFields(s, i, n);
-    V3 weight =
-        Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, kEta),
-                                            Field3(m, fields, kK)));
+    V3 weight = ColorOf(s, i) * FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, kEta),
+                                                 Field3(m, fields, kK));
     if (policy.transport == Transport::kFlux) {
-      weight = Scale(weight, ShadingNormalFactor(normal, lanes.ng, wo, wi));
+      weight = weight * ShadingNormalFactor(normal, lanes.ng, wo, wi);
     }
     const MF alive = hn::Gt(Dot(lanes.ng, wi), hn::Zero(F()));
     appended = AppendScattered(s, lanes, i, n, wi, weight, hn::Zero(F()), alive,
@@ -66,18 +65,17 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
     const VU fields = MaterialFields(s, i, n);
-    const VF ratio = thin ? hn::Div(one, Field(m, fields, kIor)) : IndexRatio(s, m, fields, i);
+    const VF ratio = thin ? one / Field(m, fields, kIor) : IndexRatio(s, m, fields, i);
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
-    const VF ratio2 = hn::Mul(ratio, ratio);
+    const VF ratio2 = ratio * ratio;
     const Refraction refraction = FresnelDielectric(cos_o, ratio);
     VF reflectance = refraction.reflectance;
-    if (thin) reflectance = hn::Div(hn::Add(reflectance, reflectance), hn::Add(one, reflectance));
+    if (thin) reflectance = (reflectance + reflectance) / (one + reflectance);
     const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), reflectance);
 
-    const V3 reflected = Sub(Scale(normal, hn::Mul(Set(2.0f), cos_o)), wo);
-    const V3 refracted = Normalize(
-        Sub(Scale(normal, hn::Sub(hn::Mul(ratio, cos_o), refraction.cosine)), Scale(wo, ratio)));
-    const V3 wi = IfThen(reflects, reflected, thin ? Neg(wo) : refracted);
+    const V3 reflected = normal * (2.0f * cos_o) - wo;
+    const V3 refracted = Normalize(normal * (ratio * cos_o - refraction.cosine) - wo * ratio);
+    const V3 wi = IfThen(reflects, reflected, thin ? -wo : refracted);
     const VF side = Dot(lanes.ng, wi);
     const MF alive =
         hn::Or(hn::And(reflects, hn::Gt(side, zero)), hn::AndNot(reflects, hn::Lt(side, zero)));
@@ -85,7 +83,7 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     if (policy.transport == Transport::kFlux) {
       factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
     }
-    const V3 weight = Scale(ColorOf(s, i), factor);
+    const V3 weight = ColorOf(s, i) * factor;
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }

@@ -21,27 +21,27 @@ struct DiffuseTransmission {
   HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                  std::uint32_t n)
       : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), kTransmitted)) {
-    if (m.varied) transmitted = Mul(transmitted, VariedColor(s, i));
+    if (m.varied) transmitted = transmitted * VariedColor(s, i);
     const VF back = MaxComponent(reflected), through = MaxComponent(transmitted);
-    reflects = hn::Div(back, hn::Max(hn::Add(back, through), Set(1e-30f)));
+    reflects = back / hn::Max(back + through, Set(1e-30f));
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3&, const V3& wi) const {
     const MF above = hn::Gt(wi.z, hn::Zero(F()));
-    const VF cosine = hn::Mul(hn::Abs(wi.z), Set(kInvPi));
-    const VF share = IfThen(above, reflects, hn::Sub(Set(1.0f), reflects));
-    return {Scale(IfThen(above, reflected, transmitted), cosine), hn::Mul(share, cosine)};
+    const VF cosine = hn::Abs(wi.z) * kInvPi;
+    const VF share = IfThen(above, reflects, 1.0f - reflects);
+    return {IfThen(above, reflected, transmitted) * cosine, share * cosine};
   }
   HWY_INLINE BsdfSample Draw(const V3&, VF u, VF v, VF lobe) const {
     const MF above = hn::Lt(lobe, reflects);
     const V3 up = CosineHemisphere(u, v);
-    const VF share = IfThen(above, reflects, hn::Sub(Set(1.0f), reflects));
-    return {{up.x, up.y, IfThen(above, up.z, hn::Neg(up.z))},
-            Scale(IfThen(above, reflected, transmitted), hn::Div(Set(1.0f), share)),
-            hn::Mul(share, hn::Mul(up.z, Set(kInvPi)))};
+    const VF share = IfThen(above, reflects, 1.0f - reflects);
+    return {{up.x, up.y, IfThen(above, up.z, -up.z)},
+            IfThen(above, reflected, transmitted) * (1.0f / share),
+            share * (up.z * kInvPi)};
   }
-  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(reflected, Set(kInvPi)); }
-  HWY_INLINE V3 DiffuseThrough(const V3&) const { return Scale(transmitted, Set(kInvPi)); }
+  HWY_INLINE V3 Diffuse(const V3&) const { return reflected * kInvPi; }
+  HWY_INLINE V3 DiffuseThrough(const V3&) const { return transmitted * kInvPi; }
 
   V3 reflected, transmitted;
   VF reflects;  // probability of wo's side

@@ -15,8 +15,8 @@ namespace HWY_NAMESPACE {
 // A bent normal that looks at the eye stays as it is; others end at about this cosine.
 inline constexpr float kGrazing = 0x1p-7f;
 HWY_INLINE V3 FacingBentNormal(const V3& ns, const V3& wo) {
-  const VF missing = hn::Sub(Set(kGrazing), Dot(ns, wo));
-  return Normalize(Add(ns, Scale(wo, hn::Max(missing, hn::Zero(F())))));
+  const VF missing = kGrazing - Dot(ns, wo);
+  return Normalize(ns + wo * hn::Max(missing, hn::Zero(F())));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -17,65 +17,64 @@ namespace HWY_NAMESPACE {
 // Draws a visible normal of widths x and y (Heitz 2018, as spherical caps after Dupuy and Benyoub
 // 2023).
 HWY_INLINE V3 VisibleGgxNormal(const V3& wo, VF x, VF y, VF u, VF v) {
-  const V3 stretched = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
+  const V3 stretched = Normalize({wo.x * x, wo.y * y, wo.z});
   const VF one = Set(1.0f);
-  const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
-  const VF radius = SafeSqrt(hn::Sub(one, hn::Mul(cap, cap)));
+  const VF cap = one - v * (one + stretched.z);
+  const VF radius = SafeSqrt(one - cap * cap);
   VF s, c;
   SinCosTurn(u, s, c);
-  return Normalize({hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), x),
-                    hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), y),
-                    hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))});
+  return Normalize({(radius * c + stretched.x) * x, (radius * s + stretched.y) * y,
+                    hn::Max(cap + stretched.z, Set(1e-7f))});
 }
 
 // One vector of widths and their rows in the tables.
 struct Ggx {
   HWY_INLINE explicit Ggx(VF width) : alpha(width) {
-    const VF row = hn::Mul(hn::Sqrt(alpha), Set(float(kAlbedoRows - 1)));
+    const VF row = hn::Sqrt(alpha) * float(kAlbedoRows - 1);
     table_row = hn::Min(ToUnsigned(row), SetU(kAlbedoRows - 1));
-    row_share = hn::Sub(row, ToFloat(table_row));
+    row_share = row - ToFloat(table_row);
   }
 
   // Looks up a table of the cosine, bilinearly in the square roots.
   HWY_INLINE VF Table(const float* table, VF cosine) const {
-    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VF at = hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)) * float(kAlbedoColumns - 1);
     const VU column = ToUnsigned(at);
-    const VF share = hn::Sub(at, ToFloat(column));
-    const VU low = hn::Add(hn::Mul(table_row, SetU(kAlbedoColumns + 1)), column);
-    const VU high = hn::Add(low, SetU(kAlbedoColumns + 1));
+    const VF share = at - ToFloat(column);
+    const VU low = table_row * SetU(kAlbedoColumns + 1) + column;
+    const VU high = low + SetU(kAlbedoColumns + 1);
     const auto across = [&](VU from) HWY_ATTR {
       const VF left = Gather(table, from);
-      const VF right = Gather(table, hn::Add(from, SetU(1)));
-      return hn::Add(left, hn::Mul(share, hn::Sub(right, left)));
+      const VF right = Gather(table, from + SetU(1));
+      return left + share * (right - left);
     };
     const VF above = across(low), below = across(high);
-    return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
+    return above + row_share * (below - above);
   }
   // Looks up a padded table of means.
   HWY_INLINE VF Mean(const float* table) const {
-    const VF above = Gather(table, table_row), below = Gather(table, hn::Add(table_row, SetU(1)));
-    return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
+    const VF above = Gather(table, table_row), below = Gather(table, table_row + SetU(1));
+    return above + row_share * (below - above);
   }
 
   // Returns Smith's Lambda of GGX (Heitz 2014, eq. 72).
   HWY_INLINE VF Lambda(const V3& w) const {
-    const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
-    const VF tan2 = hn::Div(hn::Sub(Set(1.0f), hn::Min(z2, Set(1.0f))), z2);
-    const VF root = hn::Sqrt(hn::Add(Set(1.0f), hn::Mul(hn::Mul(alpha, alpha), tan2)));
-    return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
+    const VF z2 = hn::Max(w.z * w.z, Set(1e-12f));
+    const VF tan2 = (1.0f - hn::Min(z2, Set(1.0f))) / z2;
+    const VF root = hn::Sqrt(1.0f + alpha * alpha * tan2);
+    return 0.5f * (root - 1.0f);
   }
 
   // Returns D(h) of GGX of squared width a2. The sine is taken from x and y, because 1 - z^2 has no
   // digits left for narrow lobes.
   static HWY_INLINE VF Distribution(const V3& h, VF a2) {
-    const VF s2 = hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y));
-    const VF d = hn::Add(hn::Mul(a2, hn::Mul(h.z, h.z)), s2);
-    return hn::Div(a2, hn::Mul(Set(kPi), hn::Max(hn::Mul(d, d), Set(1e-30f))));
+    const VF s2 = h.x * h.x + h.y * h.y;
+    const VF d = a2 * (h.z * h.z) + s2;
+    return a2 / (kPi * hn::Max(d * d, Set(1e-30f)));
   }
 
   static HWY_INLINE V3 HalfVector(const V3& wo, const V3& wi) {
-    const V3 sum = Add(wo, wi);
-    return Scale(sum, hn::Div(Set(1.0f), hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f)))));
+    const V3 sum = wo + wi;
+    return sum * (1.0f / hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f))));
   }
 
   // Returns the blurred lobe with Fresnel reflectance 1: the half vector turns half as far as wi,
@@ -83,12 +82,12 @@ struct Ggx {
   // Torrance 1982).
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const V3 h = HalfVector(wo, wi);
-    const VF half = hn::Mul(Set(0.5f), radius);
-    const VF d = Distribution(h, hn::Add(hn::Mul(alpha, alpha), hn::Mul(half, half)));
+    const VF half = 0.5f * radius;
+    const VF d = Distribution(h, alpha * alpha + half * half);
     const VF lower = hn::Min(wo.z, wi.z);
-    const VF g = hn::Mul(hn::Mul(Set(2.0f), h.z), hn::Div(lower, hn::Max(Dot(wo, h), Set(1e-6f))));
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
-    return hn::Mul(hn::Min(g, Set(1.0f)), hn::Mul(d, quarter_over_cos));
+    const VF g = 2.0f * h.z * (lower / hn::Max(Dot(wo, h), Set(1e-6f)));
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
+    return hn::Min(g, Set(1.0f)) * (d * quarter_over_cos);
   }
 
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
@@ -96,7 +95,7 @@ struct Ggx {
   }
   HWY_INLINE V3 Reflect(const V3& wo, VF u, VF v) const {
     const V3 h = VisibleNormal(wo, u, v);
-    return Sub(Scale(h, hn::Mul(Set(2.0f), Dot(wo, h))), wo);
+    return h * (2.0f * Dot(wo, h)) - wo;
   }
 
   VF alpha, row_share;
@@ -115,7 +114,7 @@ HWY_INLINE void MetalOfColor(V3& color, V3& eta, V3& k) {
   const MF lanes = hn::Lt(eta.x, hn::Zero(F()));
   const auto index = [&](VF reflectance) HWY_ATTR {
     const VF r = Clamp(reflectance, 0.0f, 0.9999f);
-    return hn::Mul(two, hn::Sqrt(hn::Div(r, hn::Sub(one, r))));
+    return two * hn::Sqrt(r / (one - r));
   };
   k = IfThen(lanes, {index(color.x), index(color.y), index(color.z)}, k);
   eta = IfThen(lanes, {one, one, one}, eta);
@@ -130,14 +129,12 @@ HWY_INLINE V3 Multiscatter(VF mean, const V3& eta, const V3& k) {
   constexpr float kWeight[] = {0.17392742f, 0.32607258f, 0.32607258f, 0.17392742f};
   V3 f = {hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
   for (int i = 0; i < 4; ++i) {
-    f = Add(f, Scale(FresnelConductor(Set(kAt[i]), eta, k), Set(2 * kAt[i] * kWeight[i])));
+    f = f + FresnelConductor(Set(kAt[i]), eta, k) * (2 * kAt[i] * kWeight[i]);
   }
   const VF one = Set(1.0f);
-  const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
-  const VF factor = hn::Div(hn::Mul(mean, Set(kInvPi)), lost);
-  const auto further = [&](VF c) HWY_ATTR {
-    return hn::Mul(factor, hn::Div(hn::Mul(c, c), hn::Sub(one, hn::Mul(c, lost))));
-  };
+  const VF lost = hn::Max(one - mean, Set(1e-6f));
+  const VF factor = mean * kInvPi / lost;
+  const auto further = [&](VF c) HWY_ATTR { return factor * (c * c / (one - c * lost)); };
   return {further(f.x), further(f.y), further(f.z)};
 }
 

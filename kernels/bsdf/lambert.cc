@@ -18,14 +18,14 @@ struct Lambert {
       : color(ColorOf(s, i)) {}
 
   HWY_INLINE BsdfValue Evaluate(const V3&, const V3& wi) const {
-    const VF pdf = hn::Mul(wi.z, Set(kInvPi));
-    return {Scale(color, pdf), pdf};
+    const VF pdf = wi.z * kInvPi;
+    return {color * pdf, pdf};
   }
   HWY_INLINE BsdfSample Draw(const V3&, VF u, VF v, VF) const {
     const V3 wi = CosineHemisphere(u, v);
-    return {wi, color, hn::Mul(wi.z, Set(kInvPi))};
+    return {wi, color, wi.z * kInvPi};
   }
-  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(color, Set(kInvPi)); }
+  HWY_INLINE V3 Diffuse(const V3&) const { return color * kInvPi; }
 
   V3 color;
 };

@@ -31,49 +31,47 @@ struct Measured {
 
   // Returns the bin of a value in [0, 1].
   static HWY_INLINE VU Bin(VF value, std::uint32_t bins) {
-    return hn::Min(ToUnsigned(hn::Mul(Clamp(value, 0.0f, 1.0f), Set(float(bins)))), SetU(bins - 1));
+    return hn::Min(ToUnsigned(Clamp(value, 0.0f, 1.0f) * float(bins)), SetU(bins - 1));
   }
   HWY_INLINE V3 LookUp(const V3& wi, const V3& h) const {
     // x, y and Dot(wi, h) are wi in the frame of h whose first axis points away from the normal.
-    const VF sine = SafeSqrt(hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y)));
+    const VF sine = SafeSqrt(h.x * h.x + h.y * h.y);
     const MF upright = hn::Lt(sine, Set(1e-6f));
-    const VF over = hn::Div(Set(1.0f), hn::Max(sine, Set(1e-6f)));
-    const VF c = IfThen(upright, Set(1.0f), hn::Mul(h.x, over));
-    const VF s = IfThen(upright, hn::Zero(F()), hn::Mul(h.y, over));
-    const VF along = hn::Add(hn::Mul(c, wi.x), hn::Mul(s, wi.y));
-    const VF x = hn::Sub(hn::Mul(along, h.z), hn::Mul(wi.z, sine));
-    const VF y = hn::Sub(hn::Mul(c, wi.y), hn::Mul(s, wi.x));
-    const VF across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+    const VF over = 1.0f / hn::Max(sine, Set(1e-6f));
+    const VF c = IfThen(upright, Set(1.0f), h.x * over);
+    const VF s = IfThen(upright, hn::Zero(F()), h.y * over);
+    const VF along = c * wi.x + s * wi.y;
+    const VF x = along * h.z - wi.z * sine;
+    const VF y = c * wi.y - s * wi.x;
+    const VF across = hn::Sqrt(x * x + y * y);
 
     const VF four = Set(4.0f);  // quarter turns
-    const VF half = hn::Sqrt(hn::Mul(four, Atan2Turn(sine, hn::Max(h.z, hn::Zero(F())))));
-    const VF difference = hn::Mul(four, Atan2Turn(across, hn::Max(Dot(wi, h), hn::Zero(F()))));
-    const VF turn = hn::Mul(Set(2.0f), Atan2Turn(y, x));  // half turns; negative: reciprocity
-    const VF turned = IfThen(hn::Lt(turn, hn::Zero(F())), hn::Add(turn, Set(1.0f)), turn);
-    VU at = hn::Add(hn::Mul(Bin(half, kMeasuredHalf), SetU(kMeasuredDifference)),
-                    Bin(difference, kMeasuredDifference));
-    at = hn::Add(hn::Mul(at, SetU(kMeasuredTurn)), Bin(turned, kMeasuredTurn));
-    at = hn::Add(first, hn::Add(at, hn::Add(at, at)));
-    return {Gather(table, at), Gather(table, hn::Add(at, SetU(1))),
-            Gather(table, hn::Add(at, SetU(2)))};
+    const VF half = hn::Sqrt(four * Atan2Turn(sine, hn::Max(h.z, hn::Zero(F()))));
+    const VF difference = four * Atan2Turn(across, hn::Max(Dot(wi, h), hn::Zero(F())));
+    const VF turn = 2.0f * Atan2Turn(y, x);  // half turns; negative: reciprocity
+    const VF turned = IfThen(hn::Lt(turn, hn::Zero(F())), turn + 1.0f, turn);
+    VU at =
+        Bin(half, kMeasuredHalf) * SetU(kMeasuredDifference) + Bin(difference, kMeasuredDifference);
+    at = at * SetU(kMeasuredTurn) + Bin(turned, kMeasuredTurn);
+    at = first + (at + (at + at));
+    return {Gather(table, at), Gather(table, at + SetU(1)), Gather(table, at + SetU(2))};
   }
 
   // A table does not blur, so these are the lobes that it is drawn from.
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
-    const VF mix = hn::Mul(share, hn::Sub(ggx.Blurred(wo, wi, radius), cosine));
-    return hn::Mul(Luminance(color), hn::Add(cosine, mix));
+    const VF cosine = wi.z * kInvPi;
+    const VF mix = share * (ggx.Blurred(wo, wi, radius) - cosine);
+    return Luminance(color) * (cosine + mix);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
-    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
-    const VF visible = hn::Div(lobe, hn::Add(Set(1.0f), ggx.Lambda(wo)));
-    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
-    const V3 f = Mul(color, LookUp(wi, h));
-    return {Scale(f, hn::Max(wi.z, hn::Zero(F()))),
-            hn::Add(cosine, hn::Mul(share, hn::Sub(visible, cosine)))};
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
+    const VF lobe = d * (0.25f / hn::Max(wo.z, Set(1e-6f)));
+    const VF visible = lobe / (1.0f + ggx.Lambda(wo));
+    const VF cosine = wi.z * kInvPi;
+    const V3 f = color * LookUp(wi, h);
+    return {f * hn::Max(wi.z, hn::Zero(F())), cosine + share * (visible - cosine)};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {

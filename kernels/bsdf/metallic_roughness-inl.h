@@ -33,31 +33,29 @@ struct MetallicRoughness {
         metallic(Clamp(Load(s.varying_1 + i), 0.0f, 1.0f)) {
     const VF one = Set(1.0f);
     const VF ior = Field(m, MaterialFields(s, i, n), kIor);
-    const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
-    coat = hn::Mul(amplitude, amplitude);
-    const VF body = hn::Sub(one, metallic);
-    f0 = Add(Scale(color, metallic), Splat(hn::Mul(coat, body)));
+    const VF amplitude = (ior - one) / (ior + one);
+    coat = amplitude * amplitude;
+    const VF body = one - metallic;
+    f0 = color * metallic + Splat(coat * body);
 
     const VF mean = ggx.Mean(tables.padded_mean_albedo), grazing = ggx.Mean(tables.mean_grazing);
-    const VF through = hn::Sub(one, Mix(grazing, mean, coat));
-    diffuse = Scale(color, hn::Div(hn::Mul(body, Set(kInvPi)), hn::Max(through, Set(1e-6f))));
+    const VF through = one - Mix(grazing, mean, coat);
+    diffuse = color * (body * kInvPi / hn::Max(through, Set(1e-6f)));
 
     // This is ConductorMultiscatter; the mean of Schlick's formula is F0 + (1 - F0) / 21.
-    const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
-    const V3 f = Add(Scale(color, Set(20.0f / 21)), Splat(Set(1.0f / 21)));
-    const VF factor = hn::Div(hn::Mul(hn::Mul(metallic, mean), Set(kInvPi)), lost);
+    const VF lost = hn::Max(one - mean, Set(1e-6f));
+    const V3 f = color * (20.0f / 21) + Splat(Set(1.0f / 21));
+    const VF factor = metallic * mean * kInvPi / lost;
     const auto further = [&](VF c) HWY_ATTR {
-      const VF series = hn::Sub(one, hn::Mul(c, lost));
-      return hn::Mul(factor, hn::Div(hn::Mul(c, c), hn::Max(series, Set(1e-6f))));
+      const VF series = one - c * lost;
+      return factor * (c * c / hn::Max(series, Set(1e-6f)));
     };
     multiscatter = {further(f.x), further(f.y), further(f.z)};
   }
 
   static HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
   // Interpolates a quantity that is linear in F0 between its values for 0 and 1.
-  static HWY_INLINE VF Mix(VF zero, VF one, VF share) {
-    return hn::Add(zero, hn::Mul(share, hn::Sub(one, zero)));
-  }
+  static HWY_INLINE VF Mix(VF zero, VF one, VF share) { return zero + share * (one - zero); }
 
   // Quantities of one of both directions.
   struct Side {
@@ -69,29 +67,29 @@ struct MetallicRoughness {
     const VF one = Set(1.0f);
     const VF all = ggx.Table(tables.albedo, cosine);
     const VF grazing = ggx.Table(tables.grazing, cosine);
-    return {hn::Sub(one, all), hn::Sub(one, Mix(grazing, all, coat)), grazing};
+    return {one - all, one - Mix(grazing, all, coat), grazing};
   }
 
   // Returns the probability of the specular lobe.
   HWY_INLINE VF SpecularShare(const Side& o) const {
     const VF one = Set(1.0f);
-    const VF specular = Mix(o.grazing, hn::Sub(one, o.lost), Luminance(f0));
-    const VF body = hn::Mul(o.through, hn::Mul(hn::Sub(one, metallic), Luminance(color)));
-    const VF rest = hn::Add(body, hn::Mul(hn::Mul(o.lost, metallic), Luminance(color)));
-    const VF sum = hn::Max(hn::Add(specular, rest), Set(1e-6f));
+    const VF specular = Mix(o.grazing, one - o.lost, Luminance(f0));
+    const VF body = o.through * ((one - metallic) * Luminance(color));
+    const VF rest = body + o.lost * metallic * Luminance(color);
+    const VF sum = hn::Max(specular + rest, Set(1e-6f));
     // Each lobe gets at least a tenth, as the shares are of means only.
-    return Clamp(hn::Div(specular, sum), 0.1f, 0.9f);
+    return Clamp(specular / sum, 0.1f, 0.9f);
   }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    const VF spread = hn::Mul(hn::Mul(Luminance(diffuse), SideOf(wo.z).through), wi.z);
+    const VF spread = Luminance(diffuse) * SideOf(wo.z).through * wi.z;
     const VF c = Clamp(Dot(wo, Ggx::HalfVector(wo, wi)), 0.0f, 1.0f);
-    return hn::Add(spread, hn::Mul(Luminance(Fresnel(c)), ggx.Blurred(wo, wi, radius)));
+    return spread + Luminance(Fresnel(c)) * ggx.Blurred(wo, wi, radius);
   }
 
   HWY_INLINE V3 Fresnel(VF cosine) const {
-    const VF one = Set(1.0f), away = hn::Sub(one, cosine), away2 = hn::Mul(away, away);
-    const VF away5 = hn::Mul(hn::Mul(away2, away2), away);
+    const VF one = Set(1.0f), away = one - cosine, away2 = away * away;
+    const VF away5 = away2 * away2 * away;
     return {Mix(away5, one, f0.x), Mix(away5, one, f0.y), Mix(away5, one, f0.z)};
   }
 
@@ -101,20 +99,19 @@ struct MetallicRoughness {
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi, const Side& o) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
-    const VF over_4_cos = hn::Mul(d, quarter_over_cos);
-    const VF single = hn::Div(over_4_cos, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
+    const VF over_4_cos = d * quarter_over_cos;
+    const VF single = over_4_cos / (one + lambda_o + lambda_i);
     const V3 fresnel = Fresnel(Clamp(Dot(wo, h), 0.0f, 1.0f));
     const Side in = SideOf(wi.z);
-    const VF body = hn::Mul(hn::Mul(o.through, in.through), wi.z);
-    const VF multiple = hn::Mul(hn::Mul(o.lost, in.lost), wi.z);
-    const V3 value =
-        Add(Scale(fresnel, single), Add(Scale(diffuse, body), Scale(multiscatter, multiple)));
-    const VF visible = hn::Div(over_4_cos, hn::Add(one, lambda_o));
-    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
-    return {value, hn::Add(cosine, hn::Mul(SpecularShare(o), hn::Sub(visible, cosine)))};
+    const VF body = o.through * in.through * wi.z;
+    const VF multiple = o.lost * in.lost * wi.z;
+    const V3 value = fresnel * single + (diffuse * body + multiscatter * multiple);
+    const VF visible = over_4_cos / (one + lambda_o);
+    const VF cosine = wi.z * kInvPi;
+    return {value, cosine + SpecularShare(o) * (visible - cosine)};
   }
 
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
@@ -131,8 +128,8 @@ struct MetallicRoughness {
   }
   // The mean over wi of what the coat lets through cancels the factor of `diffuse`.
   HWY_INLINE V3 Diffuse(const V3& wo) const {
-    const VF body = hn::Mul(hn::Sub(Set(1.0f), metallic), SideOf(wo.z).through);
-    return Scale(color, hn::Mul(body, Set(kInvPi)));
+    const VF body = (1.0f - metallic) * SideOf(wo.z).through;
+    return color * (body * kInvPi);
   }
 
   Ggx ggx;

@@ -23,12 +23,10 @@ struct TangentTurn {
   HWY_INLINE TangentTurn(const SurfaceColumns& s, std::uint32_t i)
       : cosine(Load(s.varying_0 + i)), sine(Load(s.varying_1 + i)) {}
   HWY_INLINE V3 To(const V3& w) const {
-    return {hn::Add(hn::Mul(cosine, w.x), hn::Mul(sine, w.y)),
-            hn::Sub(hn::Mul(cosine, w.y), hn::Mul(sine, w.x)), w.z};
+    return {cosine * w.x + sine * w.y, cosine * w.y - sine * w.x, w.z};
   }
   HWY_INLINE V3 From(const V3& w) const {
-    return {hn::Sub(hn::Mul(cosine, w.x), hn::Mul(sine, w.y)),
-            hn::Add(hn::Mul(cosine, w.y), hn::Mul(sine, w.x)), w.z};
+    return {cosine * w.x - sine * w.y, cosine * w.y + sine * w.x, w.z};
   }
   VF cosine, sine;
 };
@@ -36,7 +34,7 @@ struct TangentTurn {
 // Returns the FacetTurn of surfaces, for the side from which they are seen.
 HWY_INLINE FacetTurn FacetTurnOf(const SurfaceColumns& s, std::uint32_t i) {
   FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
-  turn.sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
+  turn.sine = IfThen(SeenFromBehind(s, i), -turn.sine, turn.sine);
   return turn;
 }
 
@@ -46,39 +44,38 @@ struct TablePlace {
   VF share;  // of the next one
 };
 HWY_INLINE TablePlace PlaceOf(VF from_0_to_1, std::uint32_t count) {
-  const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
+  const VF at = from_0_to_1 * float(count - 1);
   const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
-  return {low, hn::Sub(at, ToFloat(low))};
+  return {low, at - ToFloat(low)};
 }
 // Returns the azimuth of w in the tangent frame as tables have it: |y| / (|x| + |y|).
 HWY_INLINE VF AzimuthShare(const V3& w) {
   const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
-  return hn::Min(hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f))), Set(1.0f));
+  return hn::Min(y / hn::Max(x + y, Set(1e-20f)), Set(1.0f));
 }
 
 // Returns the sum of the squared slopes of unit h, each over its width.
 HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
-  const VF sx = hn::Div(h.x, x), sy = hn::Div(h.y, y);
-  const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f));
-  return hn::Div(hn::Add(hn::Mul(sx, sx), hn::Mul(sy, sy)), z2);
+  const VF sx = h.x / x, sy = h.y / y;
+  const VF z2 = hn::Max(h.z * h.z, Set(1e-12f));
+  return (sx * sx + sy * sy) / z2;
 }
 
 struct AnisotropicGgx {
   static constexpr bool kCompensated = true;  // AnisotropicAlbedo is theirs
   // This is eq. 85 of Heitz 2014.
   HWY_INLINE VF Density(const V3& h) const {
-    const VF one_plus = hn::Add(Set(1.0f), ScaledSlope2(h, x, y));
-    const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
-    const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
-    return hn::Div(Set(1.0f), hn::Mul(area, hn::Mul(one_plus, one_plus)));
+    const VF one_plus = 1.0f + ScaledSlope2(h, x, y);
+    const VF z2 = hn::Max(h.z * h.z, Set(1e-12f)), z4 = z2 * z2;
+    const VF area = kPi * (x * y) * z4;
+    return 1.0f / (area * (one_plus * one_plus));
   }
   // This is eq. 86 of Heitz 2014.
   HWY_INLINE VF Lambda(const V3& w) const {
-    const VF a = hn::Mul(w.x, x), b = hn::Mul(w.y, y);
-    const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
-    const VF root =
-        hn::Sqrt(hn::Add(Set(1.0f), hn::Div(hn::Add(hn::Mul(a, a), hn::Mul(b, b)), z2)));
-    return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
+    const VF a = w.x * x, b = w.y * y;
+    const VF z2 = hn::Max(w.z * w.z, Set(1e-12f));
+    const VF root = hn::Sqrt(1.0f + (a * a + b * b) / z2);
+    return 0.5f * (root - 1.0f);
   }
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
     return VisibleGgxNormal(wo, x, y, u, v);
@@ -89,18 +86,18 @@ struct AnisotropicGgx {
 struct Beckmann {
   static constexpr bool kCompensated = false;
   HWY_INLINE VF Density(const V3& h) const {
-    const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
-    const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
-    return hn::Div(Exp(hn::Neg(ScaledSlope2(h, x, y))), area);
+    const VF z2 = hn::Max(h.z * h.z, Set(1e-12f)), z4 = z2 * z2;
+    const VF area = kPi * (x * y) * z4;
+    return Exp(-ScaledSlope2(h, x, y)) / area;
   }
   // This is exact (Heitz 2014, eq. 68), with a = cot / width.
   HWY_INLINE VF Lambda(const V3& w) const {
-    const VF b = hn::Mul(w.x, x), c = hn::Mul(w.y, y);
-    const VF across = hn::Sqrt(hn::Max(hn::Add(hn::Mul(b, b), hn::Mul(c, c)), Set(1e-20f)));
-    const VF a = Clamp(hn::Div(hn::Abs(w.z), across), 1e-5f, 6.0f);
-    const VF bell = Exp(hn::Neg(hn::Mul(a, a)));
-    const VF tail = hn::Div(hn::Mul(Set(kHalfInvRootPi), bell), a);
-    const VF lambda = hn::Sub(tail, hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), Erf(a, bell))));
+    const VF b = w.x * x, c = w.y * y;
+    const VF across = hn::Sqrt(hn::Max(b * b + c * c, Set(1e-20f)));
+    const VF a = Clamp(hn::Abs(w.z) / across, 1e-5f, 6.0f);
+    const VF bell = Exp(-(a * a));
+    const VF tail = kHalfInvRootPi * bell / a;
+    const VF lambda = tail - 0.5f * (1.0f - Erf(a, bell));
     return hn::Max(lambda, hn::Zero(F()));
   }
   // Slopes are drawn as an eye sees them (Heitz and d'Eon 2014): the surface is stretched until its
@@ -110,43 +107,42 @@ struct Beckmann {
   // inverts between bounds that only shrink.
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
     const VF one = Set(1.0f), half = Set(0.5f), zero = hn::Zero(F());
-    const V3 seen = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
+    const V3 seen = Normalize({wo.x * x, wo.y * y, wo.z});
     const VF cosine = hn::Max(seen.z, Set(1e-6f));
-    const VF sine = hn::Sqrt(hn::Add(hn::Mul(seen.x, seen.x), hn::Mul(seen.y, seen.y)));
-    const VF over = hn::Div(one, hn::Max(sine, Set(1e-20f)));
+    const VF sine = hn::Sqrt(seen.x * seen.x + seen.y * seen.y);
+    const VF over = one / hn::Max(sine, Set(1e-20f));
     const MF upright = hn::Lt(sine, Set(1e-6f));
-    const VF c = IfThen(upright, one, hn::Mul(seen.x, over));
-    const VF s = IfThen(upright, zero, hn::Mul(seen.y, over));
+    const VF c = IfThen(upright, one, seen.x * over);
+    const VF s = IfThen(upright, zero, seen.y * over);
 
     const auto cumulative = [&](VF at, VF bell) HWY_ATTR {
-      const VF level = hn::Mul(hn::Mul(half, cosine), hn::Add(one, Erf(at, bell)));
-      return hn::Add(level, hn::Mul(hn::Mul(Set(kHalfInvRootPi), sine), bell));
+      const VF level = half * cosine * (one + Erf(at, bell));
+      return level + kHalfInvRootPi * sine * bell;
     };
     VF low = Set(-4.5f);
-    VF high = hn::Min(hn::Div(cosine, hn::Max(sine, Set(1e-6f))), Set(4.5f));
-    const VF bell_high = Exp(hn::Neg(hn::Mul(high, high)));
-    const VF target = hn::Mul(u, cumulative(high, bell_high));
-    const VF mass = hn::Mul(u, hn::Add(one, Erf(high, bell_high)));
-    VF slope = hn::Max(hn::Min(ErfInverse(hn::Sub(mass, one)), high), low);
+    VF high = hn::Min(cosine / hn::Max(sine, Set(1e-6f)), Set(4.5f));
+    const VF bell_high = Exp(-(high * high));
+    const VF target = u * cumulative(high, bell_high);
+    const VF mass = u * (one + Erf(high, bell_high));
+    VF slope = hn::Max(hn::Min(ErfInverse(mass - one), high), low);
     for (int step = 0; step < 8; ++step) {
-      const VF bell = Exp(hn::Neg(hn::Mul(slope, slope)));
-      const VF excess = hn::Sub(cumulative(slope, bell), target);
+      const VF bell = Exp(-(slope * slope));
+      const VF excess = cumulative(slope, bell) - target;
       const MF below = hn::Lt(excess, zero);
       low = IfThen(below, slope, low);
       high = IfThen(below, high, slope);
-      const VF rise =
-          hn::Mul(hn::Mul(Set(2 * kHalfInvRootPi), bell), hn::Sub(cosine, hn::Mul(slope, sine)));
-      const VF next = hn::Sub(slope, hn::Div(excess, hn::Max(rise, Set(1e-20f))));
+      const VF rise = (2 * kHalfInvRootPi) * bell * (cosine - slope * sine);
+      const VF next = slope - excess / hn::Max(rise, Set(1e-20f));
       const MF between = hn::And(hn::Gt(next, low), hn::Lt(next, high));
       // At the root the rounding of a step may leave the bounds, which must not bisect it away.
       const MF settled = hn::Lt(hn::Abs(excess), Set(1e-6f));
-      const VF safe = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
+      const VF safe = IfThen(between, next, half * (low + high));
       slope = IfThen(settled, slope, safe);
     }
-    const VF across = ErfInverse(hn::Sub(hn::Add(v, v), one));
-    const VF sx = hn::Sub(hn::Mul(c, slope), hn::Mul(s, across));
-    const VF sy = hn::Add(hn::Mul(s, slope), hn::Mul(c, across));
-    return Normalize({hn::Neg(hn::Mul(sx, x)), hn::Neg(hn::Mul(sy, y)), one});
+    const VF across = ErfInverse(v + v - one);
+    const VF sx = c * slope - s * across;
+    const VF sy = s * slope + c * across;
+    return Normalize({-(sx * x), -(sy * y), one});
   }
   static constexpr float kHalfInvRootPi = 0.282094791773878f;
   VF x, y;
@@ -154,9 +150,7 @@ struct Beckmann {
 
 // One vector of widths of GGX facets and their places in AnisotropicTables.
 struct AnisotropicAlbedo {
-  static HWY_INLINE VF Between(VF low, VF high, VF share) {
-    return hn::Add(low, hn::Mul(share, hn::Sub(high, low)));
-  }
+  static HWY_INLINE VF Between(VF low, VF high, VF share) { return low + share * (high - low); }
 
   HWY_INLINE AnisotropicAlbedo(const AnisotropicTables* from, VF x, VF y)
       : tables(from),
@@ -166,25 +160,25 @@ struct AnisotropicAlbedo {
   // Reads a table of both widths, each entry of which has `words` words, by at(word).
   template <class At>
   HWY_INLINE VF OfWidths(std::uint32_t words, const At& at) const {
-    const VU row = hn::Add(hn::Mul(along.low, SetU(kTabledWidths)), across.low);
-    const VU first = hn::Mul(row, SetU(words));
-    const VU below = hn::Add(first, SetU(kTabledWidths * words));
-    const VF low = Between(at(first), at(hn::Add(first, SetU(words))), across.share);
-    const VF high = Between(at(below), at(hn::Add(below, SetU(words))), across.share);
+    const VU row = along.low * SetU(kTabledWidths) + across.low;
+    const VU first = row * SetU(words);
+    const VU below = first + SetU(kTabledWidths * words);
+    const VF low = Between(at(first), at(first + SetU(words)), across.share);
+    const VF high = Between(at(below), at(below + SetU(words)), across.share);
     return Between(low, high, along.share);
   }
   // Returns the albedo of single scattering of light from w, in the tangent frame.
   HWY_INLINE VF Of(const V3& w) const {
     const TablePlace cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
     const TablePlace azimuth = PlaceOf(AzimuthShare(w), kTabledAzimuths);
-    const VU within = hn::Add(hn::Mul(cosine.low, SetU(kTabledAzimuths)), azimuth.low);
+    const VU within = cosine.low * SetU(kTabledAzimuths) + azimuth.low;
     const float* const words = &tables->albedo[0][0][0][0];
     const auto around = [&](VU at) HWY_ATTR {
-      return Between(Gather(words, at), Gather(words, hn::Add(at, SetU(1))), azimuth.share);
+      return Between(Gather(words, at), Gather(words, at + SetU(1)), azimuth.share);
     };
     return OfWidths(kTabledCosines * kTabledAzimuths, [&](VU first) HWY_ATTR {
-      const VU at = hn::Add(first, within);
-      return Between(around(at), around(hn::Add(at, SetU(kTabledAzimuths))), cosine.share);
+      const VU at = first + within;
+      return Between(around(at), around(at + SetU(kTabledAzimuths)), cosine.share);
     });
   }
   HWY_INLINE VF Mean() const {
@@ -236,7 +230,7 @@ struct MicrofacetConductor {
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const Ggx wider(hn::Min(hn::Max(facets.x, facets.y), Set(1.0f)));
-    return hn::Mul(Luminance(color), wider.Blurred(wo, wi, radius));
+    return Luminance(color) * wider.Blurred(wo, wi, radius);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
@@ -247,26 +241,25 @@ struct MicrofacetConductor {
   HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi, VF lost_o) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
-    const VF lobe = hn::Mul(facets.Density(h), quarter_over_cos);
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
+    const VF lobe = facets.Density(h) * quarter_over_cos;
     const VF lambda_o = facets.Lambda(wo), lambda_i = facets.Lambda(wi);
-    const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const VF g2 = one / (one + lambda_o + lambda_i);
     const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(wo, h)), one), eta, k);
-    const VF visible = hn::Div(lobe, hn::Add(one, lambda_o));
+    const VF visible = lobe / (one + lambda_o);
     if constexpr (Facets::kCompensated) {
       if (any_compensated) {
-        const VF multiple = hn::Mul(hn::Mul(lost_o, Lost(wi)), wi.z);
-        const V3 again = Scale(multiscatter, multiple);
-        const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
-        return {Mul(color, Add(Scale(fresnel, hn::Mul(lobe, g2)), again)),
-                hn::Add(visible, hn::Mul(lost_o, hn::Sub(diffuse, visible)))};
+        const VF multiple = lost_o * Lost(wi) * wi.z;
+        const V3 again = multiscatter * multiple;
+        const VF diffuse = wi.z * kInvPi;
+        return {color * (fresnel * (lobe * g2) + again), visible + lost_o * (diffuse - visible)};
       }
     }
-    return {Scale(Mul(color, fresnel), hn::Mul(lobe, g2)), visible};
+    return {color * fresnel * (lobe * g2), visible};
   }
   // Returns the share of the light from w that single scattering loses and the lobe returns.
   HWY_INLINE VF Lost(const V3& w) const {
-    return hn::IfThenElseZero(compensated, hn::Sub(Set(1.0f), albedo.Of(w)));
+    return hn::IfThenElseZero(compensated, 1.0f - albedo.Of(w));
   }
   HWY_INLINE VF LostFrom(const V3& wo) const {
     if constexpr (Facets::kCompensated) {
@@ -278,7 +271,7 @@ struct MicrofacetConductor {
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const V3 eye = turn.To(wo);
     const V3 h = facets.VisibleNormal(eye, u, v);
-    V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    V3 wi = h * (2.0f * Dot(eye, h)) - eye;
     const VF lost = LostFrom(eye);
     if constexpr (Facets::kCompensated) {
       if (any_compensated) wi = IfThen(hn::Lt(lobe, lost), CosineHemisphere(u, v), wi);

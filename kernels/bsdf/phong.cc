@@ -23,29 +23,28 @@ struct Phong {
         diffuse(ColorOf(s, i)),
         gloss(Field3(m, fields, kGloss)),
         exponent(PowerOfWidth(Field(m, fields, kAlpha))) {
-    const VF sum = hn::Add(MaxComponent(diffuse), MaxComponent(gloss));
-    share = hn::Div(MaxComponent(gloss), hn::Max(sum, Set(1e-30f)));
+    const VF sum = MaxComponent(diffuse) + MaxComponent(gloss);
+    share = MaxComponent(gloss) / hn::Max(sum, Set(1e-30f));
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
-    const V3 mirrored = {hn::Neg(wo.x), hn::Neg(wo.y), wo.z};
+    const V3 mirrored = {-wo.x, -wo.y, wo.z};
     const VF power = Pow(Clamp(Dot(mirrored, wi), 0.0f, 1.0f), exponent);
-    const VF lobe = hn::Mul(hn::Mul(hn::Add(exponent, Set(2.0f)), Set(0.5f * kInvPi)), power);
-    const VF density = hn::Mul(hn::Mul(hn::Add(exponent, Set(1.0f)), Set(0.5f * kInvPi)), power);
-    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
-    return {Add(Scale(diffuse, cosine), Scale(gloss, hn::Mul(lobe, wi.z))),
-            hn::Add(cosine, hn::Mul(share, hn::Sub(density, cosine)))};
+    const VF lobe = (exponent + 2.0f) * (0.5f * kInvPi) * power;
+    const VF density = (exponent + 1.0f) * (0.5f * kInvPi) * power;
+    const VF cosine = wi.z * kInvPi;
+    return {diffuse * cosine + gloss * (lobe * wi.z), cosine + share * (density - cosine)};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const VF one = Set(1.0f);
-    const V3 mirrored = {hn::Neg(wo.x), hn::Neg(wo.y), wo.z};
-    const V3 about = AboutPole(u, Pow(v, hn::Div(one, hn::Add(exponent, one))));
+    const V3 mirrored = {-wo.x, -wo.y, wo.z};
+    const V3 about = AboutPole(u, Pow(v, one / (exponent + one)));
     const V3 glossy = ToWorld(MakeFrame(mirrored), about);
     const V3 wi = IfThen(hn::Lt(lobe, share), glossy, CosineHemisphere(u, v));
     return SampleOf(wi, Evaluate(wo, wi));
   }
-  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(diffuse, Set(kInvPi)); }
+  HWY_INLINE V3 Diffuse(const V3&) const { return diffuse * kInvPi; }
 
   VU fields;
   V3 diffuse, gloss;

@@ -17,7 +17,7 @@ void PickCells(const float* sums, std::uint32_t count, const float* u, std::uint
     const float* row = sums + i;
     const VF total = Load(row + std::size_t(count - 1) * kProductStride);
     // The target lies below the total, so that some sum is greater and a cell with weight is found.
-    const VF target = hn::Mul(hn::Min(Load(u + i), below_one), total);
+    const VF target = hn::Min(Load(u + i), below_one) * total;
     // The cell begins at the last of the sums that do not exceed the target.
     VU cell = hn::Zero(U());
     VF begin = zero, end = total;
@@ -26,14 +26,13 @@ void PickCells(const float* sums, std::uint32_t count, const float* u, std::uint
       const MF behind = hn::Gt(sum, target);
       end = IfThen(behind, sum, end);
       begin = hn::Max(begin, hn::IfThenZeroElse(behind, sum));
-      cell = hn::Add(cell, hn::IfThenZeroElse(hn::RebindMask(U(), behind), SetU(1)));
+      cell = cell + hn::IfThenZeroElse(hn::RebindMask(U(), behind), SetU(1));
     }
-    const VF weight = hn::Sub(end, begin);
+    const VF weight = end - begin;
     const MF some = hn::Gt(weight, zero);
     Store(cell, picks.cell + i);
-    Store(hn::IfThenElseZero(some, hn::Min(hn::Div(hn::Sub(target, begin), weight), below_one)),
-          picks.x + i);
-    Store(hn::IfThenElseZero(some, hn::Div(weight, total)), picks.probability + i);
+    Store(hn::IfThenElseZero(some, hn::Min((target - begin) / weight, below_one)), picks.x + i);
+    Store(hn::IfThenElseZero(some, weight / total), picks.probability + i);
     Store(total, norm + i);
   }
 }
@@ -45,8 +44,8 @@ void SamplePickedCells(const EnvironmentView& map, const CellsView& cells, const
     const MF used = hn::RebindMask(F(), inside);
     EmitFromCells(map, cells, hn::IfThenElseZero(inside, Load(picks.cell + i)),
                   hn::IfThenElseZero(used, Load(picks.x + i)),
-                  hn::IfThenElseZero(used, Load(v + i)),
-                  hn::Mul(Load(picks.probability + i), Set(samples)), out, i);
+                  hn::IfThenElseZero(used, Load(v + i)), Load(picks.probability + i) * samples, out,
+                  i);
   }
 }
 
@@ -58,7 +57,7 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
                           V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
     VF u, v;
     MapPosition(map, dir, u, v);
-    const VU texel = hn::Add(hn::Mul(CellOf(v, map.height), SetU(map.width)), CellOf(u, map.width));
+    const VU texel = CellOf(v, map.height) * SetU(map.width) + CellOf(u, map.width);
     Store(Gather(cell_of_texel, texel), cell + i);
   }
 }
@@ -83,8 +82,8 @@ void GatherWeighedSurfaces(const SurfaceColumns& s, const std::uint32_t* from, s
 void ScaleByPick(const float* weight, const float* norm, std::uint32_t n, float* light_pdf) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF total = Load(norm + i);
-    const VF probability = hn::Div(Load(weight + i), total);
-    const VF pdf = hn::Mul(Load(light_pdf + i), probability);
+    const VF probability = Load(weight + i) / total;
+    const VF pdf = Load(light_pdf + i) * probability;
     StoreBelow(hn::IfThenElseZero(hn::Gt(total, hn::Zero(F())), pdf), light_pdf, i, n);
   }
 }

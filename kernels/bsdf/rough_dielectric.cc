@@ -29,27 +29,26 @@ struct InterfaceLosses {
     const VU table = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kDielectricTable));
     lanes = hn::RebindMask(F(), hn::Ne(table, hn::Zero(U())));
     any = !hn::AllFalse(F(), lanes);
-    first = hn::Mul(hn::Sub(table, SetU(1)), SetU(kDielectricWords));
+    first = (table - SetU(1)) * SetU(kDielectricWords);
     if (any) transmittance = Field(m, fields, kDielectricTransmittance);
   }
 
   // Reads a value of a row, linearly between rows.
   HWY_INLINE VF Between(const TablePlace& at, VU word) const {
-    const VU row = hn::Add(first, hn::Mul(at.low, SetU(kDielectricRowWords)));
-    const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), hn::Add(row, word));
+    const VU row = first + at.low * SetU(kDielectricRowWords);
+    const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), row + word);
     const VF above = Gather(words, low);
-    const VF below = Gather(words, hn::Add(low, SetU(kDielectricRowWords)));
-    return hn::Add(above, hn::Mul(at.share, hn::Sub(below, above)));
+    const VF below = Gather(words, low + SetU(kDielectricRowWords));
+    return above + at.share * (below - above);
   }
   // Returns the share that light from a direction on that side loses.
   HWY_INLINE VF Lost(const TablePlace& row, VF cosine, MF inside) const {
-    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VF at = hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)) * float(kAlbedoColumns - 1);
     const VU column = ToUnsigned(at);
-    const VF share = hn::Sub(at, ToFloat(column));
-    const VU word =
-        hn::Add(column, Side(inside, std::uint32_t(SKYWAVE_WORD(DielectricRow, lost[1]))));
-    const VF left = Between(row, word), right = Between(row, hn::Add(word, SetU(1)));
-    return hn::IfThenElseZero(lanes, hn::Add(left, hn::Mul(share, hn::Sub(right, left))));
+    const VF share = at - ToFloat(column);
+    const VU word = column + Side(inside, std::uint32_t(SKYWAVE_WORD(DielectricRow, lost[1])));
+    const VF left = Between(row, word), right = Between(row, word + SetU(1));
+    return hn::IfThenElseZero(lanes, left + share * (right - left));
   }
   static HWY_INLINE VU Side(MF inside, std::uint32_t word) {
     return hn::IfThenElseZero(hn::RebindMask(U(), inside), SetU(word));
@@ -92,7 +91,7 @@ struct RoughDielectric {
     return any_two_widths ? IfThen(two_widths, facets.Lambda(w), round) : round;
   }
   HWY_INLINE VF Density(const V3& h) const {
-    const VF round = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF round = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     return any_two_widths ? IfThen(two_widths, facets.Density(h), round) : round;
   }
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
@@ -115,18 +114,17 @@ struct RoughDielectric {
     inside = back;
     const VF one = Set(1.0f), tiny = Set(1e-6f);
     const auto mean = [&](MF side) HWY_ATTR {
-      const VU word = hn::Add(SetU(std::uint32_t(SKYWAVE_WORD(DielectricRow, mean))),
-                              InterfaceLosses::Side(side, 1));
+      const VU word =
+          SetU(std::uint32_t(SKYWAVE_WORD(DielectricRow, mean))) + InterfaceLosses::Side(side, 1);
       return hn::Max(losses.Between({ggx.table_row, ggx.row_share}, word), tiny);
     };
     const VF own = mean(inside), other = mean(hn::Not(inside));
     const VF larger = hn::Max(own, other);
     // Of diffuse light on wo's side, the smooth interface lets through t, or t / n^2 from inside.
-    const VF diffuse =
-        IfThen(inside, hn::Div(losses.transmittance, hn::Mul(ratio, ratio)), losses.transmittance);
-    through_share = hn::Div(hn::Mul(diffuse, other), larger);
-    through = hn::Div(hn::Mul(Set(kInvPi), diffuse), larger);
-    back_again = hn::Div(hn::Mul(Set(kInvPi), hn::Sub(one, through_share)), own);
+    const VF diffuse = IfThen(inside, losses.transmittance / (ratio * ratio), losses.transmittance);
+    through_share = diffuse * other / larger;
+    through = kInvPi * diffuse / larger;
+    back_again = kInvPi * (one - through_share) / own;
   }
   // Adds the lobes of light that scatters more than once to the value of single scattering.
   HWY_INLINE BsdfValue WithLobes(VF lost_o, const V3& wi, const BsdfValue& single) const {
@@ -134,12 +132,11 @@ struct RoughDielectric {
     const MF above = hn::Gt(wi.z, zero);
     const VF cosine = hn::Abs(wi.z);
     const VF lost_i = Lost(wi, hn::Xor(inside, hn::Not(above)));
-    const VF lobe = IfThen(above, back_again, hn::Mul(through, hn::Mul(ratio, ratio)));
-    const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), hn::Mul(lobe, cosine));
-    const VF share = IfThen(above, hn::Sub(one, through_share), through_share);
-    const VF diffuse = hn::Mul(hn::Mul(share, cosine), Set(kInvPi));
-    return {Add(single.value, Scale(color, multiple)),
-            hn::Add(single.pdf, hn::Mul(lost_o, hn::Sub(diffuse, single.pdf)))};
+    const VF lobe = IfThen(above, back_again, through * (ratio * ratio));
+    const VF multiple = lost_o * lost_i * (lobe * cosine);
+    const VF share = IfThen(above, one - through_share, through_share);
+    const VF diffuse = share * cosine * kInvPi;
+    return {single.value + color * multiple, single.pdf + lost_o * (diffuse - single.pdf)};
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
@@ -158,30 +155,29 @@ struct RoughDielectric {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     const MF above = hn::Gt(wi.z, zero);
     // With refraction h is along -(n_o wo + n_i wi), on wo's side whatever the indices are.
-    V3 h = Add(Scale(wo, IfThen(above, one, ratio)), wi);
-    h = Scale(h, hn::Div(one, hn::Sqrt(hn::Max(Dot(h, h), Set(1e-20f)))));
-    h = Scale(h, hn::CopySign(one, h.z));
+    V3 h = wo * IfThen(above, one, ratio) + wi;
+    h = h * (one / hn::Sqrt(hn::Max(Dot(h, h), Set(1e-20f))));
+    h = h * hn::CopySign(one, h.z);
     const VF cos_o = Dot(wo, h), cos_i = Dot(wi, h);
     const VF fresnel = FresnelDielectric(Clamp(cos_o, 0.0f, 1.0f), ratio).reflectance;
 
     const VF lambda_o = Lambda(wo), lambda_i = Lambda(wi);
     const VF d = Density(h);
-    const VF over_cos = hn::Div(d, hn::Max(wo.z, Set(1e-6f)));
+    const VF over_cos = d / hn::Max(wo.z, Set(1e-6f));
     // The Jacobian makes the density of wi from that of h (eqs. 14 and 17), with the |wo . h| of
     // the visible normals.
-    const VF root = hn::Add(hn::Mul(ratio, cos_o), cos_i);
-    const VF root2 = hn::Max(hn::Mul(root, root), Set(1e-20f));
-    const VF refracts = hn::Div(hn::Mul(hn::Abs(cos_i), hn::Abs(cos_o)), root2);
+    const VF root = ratio * cos_o + cos_i;
+    const VF root2 = hn::Max(root * root, Set(1e-20f));
+    const VF refracts = hn::Abs(cos_i) * hn::Abs(cos_o) / root2;
     const VF jacobian = IfThen(above, Set(0.25f), refracts);
-    const VF share = IfThen(above, fresnel, hn::Sub(one, fresnel));
-    const VF lobe = hn::Mul(hn::Mul(over_cos, jacobian), share);
+    const VF share = IfThen(above, fresnel, one - fresnel);
+    const VF lobe = over_cos * jacobian * share;
     // Both directions see a facet from its own side.
-    const MF seen = hn::And(hn::Gt(cos_o, zero), hn::Gt(hn::Mul(cos_i, wi.z), zero));
+    const MF seen = hn::And(hn::Gt(cos_o, zero), hn::Gt(cos_i * wi.z, zero));
     const VF visible = hn::IfThenElseZero(seen, lobe);
-    const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
-    const VF scale = IfThen(above, one, hn::Mul(ratio, ratio));
-    return {Scale(color, hn::Mul(hn::Mul(visible, g2), scale)),
-            hn::Div(visible, hn::Add(one, lambda_o))};
+    const VF g2 = one / (one + lambda_o + lambda_i);
+    const VF scale = IfThen(above, one, ratio * ratio);
+    return {color * (visible * g2 * scale), visible / (one + lambda_o)};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& eye, VF u, VF v, VF lobe) const {
@@ -193,17 +189,16 @@ struct RoughDielectric {
     if (losses.any) {
       again = hn::Lt(lobe, lost);
       diffuse = CosineHemisphere(u, v);
-      const MF passes = hn::Lt(lobe, hn::Mul(lost, through_share));
-      diffuse.z = IfThen(passes, hn::Neg(diffuse.z), diffuse.z);
-      const VF rest = hn::Div(hn::Sub(lobe, lost), hn::Max(hn::Sub(one, lost), Set(1e-6f)));
+      const MF passes = hn::Lt(lobe, lost * through_share);
+      diffuse.z = IfThen(passes, -diffuse.z, diffuse.z);
+      const VF rest = (lobe - lost) / hn::Max(one - lost, Set(1e-6f));
       lobe = Clamp(rest, 0.0f, 0x1.fffffep-1f);
     }
     const V3 h = VisibleNormal(wo, u, v);
     const VF cosine = Clamp(Dot(wo, h), 0.0f, 1.0f);
     const Refraction refraction = FresnelDielectric(cosine, ratio);
-    const V3 reflected = Sub(Scale(h, hn::Mul(Set(2.0f), cosine)), wo);
-    const V3 refracted = Normalize(
-        Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
+    const V3 reflected = h * (2.0f * cosine) - wo;
+    const V3 refracted = Normalize(h * (ratio * cosine - refraction.cosine) - wo * ratio);
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
     const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
     BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi, lost));

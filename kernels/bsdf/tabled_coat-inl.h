@@ -21,7 +21,7 @@ struct CoatLanes {
       : words(reinterpret_cast<const float*>(m.coats)) {
     // Rows behind the end have another material.
     const VU index = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kCoatTable));
-    first = hn::Mul(index, SetU(kCoatWords));
+    first = index * SetU(kCoatWords);
     medium = hn::And(hn::RebindMask(F(), RowsBelow(i, n)),
                      hn::Gt(Field(m, fields, kCoatMedium), hn::Zero(F())));
     has_medium = !hn::AllFalse(F(), medium);
@@ -37,23 +37,23 @@ struct CoatLanes {
   // neighbouring rows are so many words apart.
   HWY_INLINE Neighbour Approach(VF width, MU lanes, std::uint32_t words_a_row) {
     varied = true;
-    const VF at = hn::Mul(hn::Sqrt(width), Set(float(kCoatRows - 1)));
+    const VF at = hn::Sqrt(width) * float(kCoatRows - 1);
     const VU row = hn::Min(ToUnsigned(at), SetU(kCoatRows - 2));
     const VU step = hn::IfThenElseZero(lanes, SetU(words_a_row));
-    first = hn::Add(first, hn::Mul(row, step));
-    return {step, hn::Sub(at, ToFloat(row))};
+    first = first + row * step;
+    return {step, at - ToFloat(row)};
   }
   HWY_INLINE VF ReadMetal(VU at) const {
     const VF narrow = Gather(words, at);
     if (!over_metals) return narrow;
-    const VF wide = Gather(words, hn::Add(at, metals.words));
-    return hn::Add(narrow, hn::Mul(metals.share, hn::Sub(wide, narrow)));
+    const VF wide = Gather(words, at + metals.words);
+    return narrow + metals.share * (wide - narrow);
   }
   // Reads a word of the table, or between the tables of neighbouring widths.
   HWY_INLINE VF Read(VU at) const {
     if (!varied) return Gather(words, at);
-    const VF narrow = ReadMetal(at), wide = ReadMetal(hn::Add(at, coats.words));
-    return hn::Add(narrow, hn::Mul(coats.share, hn::Sub(wide, narrow)));
+    const VF narrow = ReadMetal(at), wide = ReadMetal(at + coats.words);
+    return narrow + coats.share * (wide - narrow);
   }
 
   // The place of a cosine in the columns.
@@ -62,23 +62,22 @@ struct CoatLanes {
     VF share;
   };
   static HWY_INLINE Place PlaceOf(VF cosine) {
-    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VF at = hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)) * float(kAlbedoColumns - 1);
     const VU column = hn::Min(ToUnsigned(at), SetU(kAlbedoColumns - 1));
-    return {column, hn::Sub(at, ToFloat(column))};
+    return {column, at - ToFloat(column)};
   }
   HWY_INLINE VF Look(std::size_t member, const Place& place) const {
-    const VU at =
-        hn::Add(hn::Add(first, place.column), SetU(std::uint32_t(member / sizeof(float))));
-    const VF low = Read(at), high = Read(hn::Add(at, SetU(1)));
-    return hn::Add(low, hn::Mul(place.share, hn::Sub(high, low)));
+    const VU at = first + place.column + SetU(std::uint32_t(member / sizeof(float)));
+    const VF low = Read(at), high = Read(at + SetU(1));
+    return low + place.share * (high - low);
   }
   HWY_INLINE V3 Look3(std::size_t member, const Place& place) const {
     return {Look(member, place), Look(member + sizeof(CoatColumn), place),
             Look(member + 2 * sizeof(CoatColumn), place)};
   }
   HWY_INLINE V3 Constants(std::size_t member) const {
-    const VU at = hn::Add(first, SetU(std::uint32_t(member / sizeof(float))));
-    return {Read(at), Read(hn::Add(at, SetU(1))), Read(hn::Add(at, SetU(2)))};
+    const VU at = first + SetU(std::uint32_t(member / sizeof(float)));
+    return {Read(at), Read(at + SetU(1)), Read(at + SetU(2))};
   }
 
   HWY_INLINE VF Own(VF cosine) const { return Look(offsetof(CoatTable, own), PlaceOf(cosine)); }
@@ -88,7 +87,7 @@ struct CoatLanes {
     if (!has_medium) return {zero, zero, zero};
     const V3 o = Look3(offsetof(CoatTable, medium), PlaceOf(wo.z));
     const V3 i = Look3(offsetof(CoatTable, medium), PlaceOf(wi.z));
-    return IfThen(medium, Scale(Mul(o, i), wi.z), V3{zero, zero, zero});
+    return IfThen(medium, o * i * wi.z, V3{zero, zero, zero});
   }
 
   const float* words;
@@ -110,7 +109,7 @@ struct UnderCoat {
       : below(s, m, i, n),
         coat(m, below.fields, i, n),
         ggx(Clamp(Field(m, below.fields, Below::kCoatWidth), 1e-3f, 1.0f)),
-        ratio(hn::Div(Set(1.0f), hn::Max(Field(m, below.fields, kIor), Set(1e-3f)))) {
+        ratio(1.0f / hn::Max(Field(m, below.fields, kIor), Set(1e-3f))) {
     if (!m.varied) return;
     const VU image = IndexField(m, below.fields, kRoughnessTexture);
     const MU lanes = hn::And(RowsBelow(i, n), hn::Ne(image, hn::Zero(U())));
@@ -121,8 +120,8 @@ struct UnderCoat {
     return FresnelDielectric(Clamp(Dot(wo, h), 0.0f, 1.0f), ratio).reflectance;
   }
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
-    const VF own = hn::Mul(Reflectance(wo, Ggx::HalfVector(wo, wi)), ggx.Blurred(wo, wi, radius));
-    return hn::Add(own, below.Blurred(coat, wo, wi, radius));
+    const VF own = Reflectance(wo, Ggx::HalfVector(wo, wi)) * ggx.Blurred(wo, wi, radius);
+    return own + below.Blurred(coat, wo, wi, radius);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
@@ -133,23 +132,21 @@ struct UnderCoat {
   HWY_INLINE BsdfValue EvaluateWithoutMirrors(const V3& wo, const V3& wi, MF lanes) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
-    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
+    const VF lobe = d * (0.25f / hn::Max(wo.z, Set(1e-6f)));
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
-    const VF facets =
-        hn::Mul(Reflectance(wo, h), hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i)));
+    const VF facets = Reflectance(wo, h) * (lobe / (one + lambda_o + lambda_i));
     const VF own = hn::IfThenZeroElse(hn::And(lanes, IsMirror(ggx)), facets);
-    const VF own_pdf = hn::Div(lobe, hn::Add(one, lambda_o));
+    const VF own_pdf = lobe / (one + lambda_o);
     BsdfValue base = below.Evaluate(coat, wo, wi);
     if constexpr (Below::kMayMirror) {
       const MF hidden = hn::And(lanes, IsMirror(below.ggx));
       const VF zero = hn::Zero(F());
       base.value = IfThen(hidden, V3{zero, zero, zero}, base.value);
     }
-    const V3 rest = Add(base.value, coat.Medium(wo, wi));
+    const V3 rest = base.value + coat.Medium(wo, wi);
     const VF share = LayerShare(coat.Own(wo.z));
-    return {Add({own, own, own}, rest),
-            hn::Add(base.pdf, hn::Mul(share, hn::Sub(own_pdf, base.pdf)))};
+    return {V3{own, own, own} + rest, base.pdf + share * (own_pdf - base.pdf)};
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const VF share = LayerShare(coat.Own(wo.z));

@@ -28,22 +28,21 @@ struct Ward {
   HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF toward = hn::Max(Dot(wo, h), Set(1e-6f)), up = hn::Max(h.z, Set(1e-6f));
-    const VF area = hn::Mul(Set(4 * kPi), hn::Mul(x, y));
-    const VF bell = hn::Div(Exp(hn::Neg(ScaledSlope2(h, x, y))), area);
-    const VF up2 = hn::Mul(up, up);
-    const VF pdf = hn::Div(bell, hn::Mul(hn::Mul(up2, up), toward));
-    return {Scale(color, hn::Div(hn::Mul(pdf, wi.z), hn::Mul(toward, up))), pdf};
+    const VF area = (4 * kPi) * (x * y);
+    const VF bell = Exp(-ScaledSlope2(h, x, y)) / area;
+    const VF up2 = up * up;
+    const VF pdf = bell / (up2 * up * toward);
+    return {color * (pdf * wi.z / (toward * up)), pdf};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
     const V3 eye = turn.To(wo);
     VF sine, cosine;
     SinCosTurn(u, sine, cosine);
-    const VF length = SafeSqrt(hn::Neg(Log(hn::Sub(Set(1.0f), v))));
-    const V3 h = Normalize(
-        {hn::Mul(length, hn::Mul(x, cosine)), hn::Mul(length, hn::Mul(y, sine)), Set(1.0f)});
+    const VF length = SafeSqrt(-Log(1.0f - v));
+    const V3 h = Normalize({length * (x * cosine), length * (y * sine), Set(1.0f)});
     const VF toward = Dot(eye, h);
-    const V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), toward)), eye);
+    const V3 wi = h * (2.0f * toward) - eye;
     BsdfSample sample = SampleOf(turn.From(wi), InTangentFrame(eye, wi));
     // A facet that looks away reflects nothing.
     sample.pdf = hn::IfThenElseZero(hn::Gt(toward, hn::Zero(F())), sample.pdf);

@@ -20,22 +20,22 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const
     // Triangles emit by the cosine over the squared distance, and that is what turns the density of
     // the sample's place into that of its direction.
     const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
-    const VF places = hn::Div(pick.probability, hn::Mul(light.area(), sides));
+    const VF places = pick.probability / (light.area() * sides);
     const VF pdf = hn::Max(Load(samples.pdf + i), Set(1e-20f));
-    const V3 to_light = Sub(light.position(), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
-    const VF inverse2 = hn::Div(one, hn::Max(Dot(to_light, to_light), Set(1e-30f)));
-    const VF cone = hn::Max(hn::Sub(one, light.Number(12)), Set(1e-7f));
-    const VF from_point = hn::Mul(Set(0.25f * kInvPi), inverse2);
-    const VF from_spot = hn::Mul(hn::Div(Set(0.5f * kInvPi), cone), inverse2);
+    const V3 to_light = light.position() - Load3(s.org_x + i, s.org_y + i, s.org_z + i);
+    const VF inverse2 = one / hn::Max(Dot(to_light, to_light), Set(1e-30f));
+    const VF cone = hn::Max(one - light.Number(12), Set(1e-7f));
+    const VF from_point = (0.25f * kInvPi) * inverse2;
+    const VF from_spot = (0.5f * kInvPi) / cone * inverse2;
     const VF distant = Load(arrival + i);
     VF value = distant;
-    value = IfThen(light.Is(LocalLightKind::kTriangle), hn::Div(places, pdf), value);
+    value = IfThen(light.Is(LocalLightKind::kTriangle), places / pdf, value);
     value = IfThen(light.Is(LocalLightKind::kPoint), from_point, value);
     value = IfThen(light.Is(LocalLightKind::kSpot), from_spot, value);
     if (!view.shapes.empty()) {
       const ShapedLights shaped(view, light, pick.picked);
-      const VF density = ShapeDensity(shaped.shape, PlaceOf(shaped.shape, Neg(to_light)));
-      value = IfThen(shaped.lanes, hn::Mul(density, inverse2), value);
+      const VF density = ShapeDensity(shaped.shape, PlaceOf(shaped.shape, -to_light));
+      value = IfThen(shaped.lanes, density * inverse2, value);
     }
     Store(IfThen(pick.picked, value, distant), arrival + i);
   }

@@ -41,8 +41,8 @@ void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 ng = GeometricNormal(s, i), ns = ShadingNormal(s, i);
     const MF behind = hn::Lt(Dot(ng, DirectionOf(lights, i)), hn::Zero(F()));
-    Store3(IfThen(behind, Neg(ng), ng), turned.ng_x + i, turned.ng_y + i, turned.ng_z + i);
-    Store3(IfThen(behind, Neg(ns), ns), turned.ns_x + i, turned.ns_y + i, turned.ns_z + i);
+    Store3(IfThen(behind, -ng, ng), turned.ng_x + i, turned.ng_y + i, turned.ng_z + i);
+    Store3(IfThen(behind, -ns, ns), turned.ns_x + i, turned.ns_y + i, turned.ns_z + i);
     const VU other_side = hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(kBackFace));
     Store(hn::Xor(Load(s.material + i), other_side), turned.material + i);
   }
@@ -65,9 +65,9 @@ void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumn
 // that reaches past it. Those farther back still lack the density `back` with which the vertex
 // samples back.
 HWY_INLINE VF SumTechniques(VF before, VF earlier, VF back, VF eta_vcm) {
-  const VF farther = hn::Mul(earlier, back);
-  const VF combined = hn::Add(hn::Mul(farther, farther), hn::Mul(before, before));
-  return hn::Sqrt(hn::Add(combined, hn::Mul(eta_vcm, eta_vcm)));
+  const VF farther = earlier * back;
+  const VF combined = farther * farther + before * before;
+  return hn::Sqrt(combined + eta_vcm * eta_vcm);
 }
 
 // Bounds a cosine that is divided by.
@@ -77,23 +77,23 @@ void LeaveEye(const float* density, float light_paths, bool parallel, std::uint3
               const SubpathColumns& paths) {
   const VF sign = Set(parallel ? -1.0f : 1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF ratio = Bounded(hn::Div(Set(light_paths), Load(density + i)));
-    Store(hn::Mul(ratio, sign), paths.d_vcm + i);
+    const VF ratio = Bounded(light_paths / Load(density + i));
+    Store(ratio * sign, paths.d_vcm + i);
     Store(hn::Zero(F()), paths.d_vc + i);
   }
 }
 
 void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF inverse = hn::Div(Set(1.0f), Load(emission.pdf + i));
+    const VF inverse = 1.0f / Load(emission.pdf + i);
     const VU delta = Load(emission.delta + i);
     const MU distant = hn::Or(hn::TestBit(delta, SetU(kDeltaDirection)),
                               hn::Eq(Load(emission.light + i), SetU(kNoLight)));
-    const VF before = Bounded(hn::Mul(Load(emission.light_pdf + i), inverse));
-    Store(IfThen(hn::RebindMask(F(), distant), hn::Neg(before), before), paths.d_vcm + i);
+    const VF before = Bounded(Load(emission.light_pdf + i) * inverse);
+    Store(IfThen(hn::RebindMask(F(), distant), -before, before), paths.d_vcm + i);
     // Nothing hits a light without extent by chance.
     const MF hittable = hn::RebindMask(F(), hn::Eq(delta, SetU(0)));
-    const VF earlier = Bounded(hn::Mul(Load(emission.cosine + i), inverse));
+    const VF earlier = Bounded(Load(emission.cosine + i) * inverse);
     Store(hn::IfThenElseZero(hittable, earlier), paths.d_vc + i);
   }
 }
@@ -107,9 +107,9 @@ void ArriveAtSurfaces(const SurfaceColumns& s, std::uint32_t n, const SubpathCol
     const VF cosine = Divisor(AbsDot(GeometricNormal(s, i), Outgoing(s, i)));
     const VF t = Load(s.t + i);
     const MF far = hn::Lt(before, hn::Zero(F()));
-    const VF distance2 = IfThen(far, Set(1.0f), hn::Mul(t, t));
-    Store(Bounded(hn::Div(hn::Mul(hn::Abs(before), distance2), cosine)), at.d_vcm + i);
-    Store(Bounded(hn::Div(earlier, cosine)), at.d_vc + i);
+    const VF distance2 = IfThen(far, Set(1.0f), t * t);
+    Store(Bounded(hn::Abs(before) * distance2 / cosine), at.d_vcm + i);
+    Store(Bounded(earlier / cosine), at.d_vc + i);
   }
 }
 
@@ -126,8 +126,8 @@ void LeaveSurfaces(const SurfaceColumns& s, const SubpathColumns& at, const floa
     const MF delta = hn::Eq(pdf, zero);
     const VF density = IfThen(delta, one, pdf);
     const VF combined = SumTechniques(before, earlier, Gather(back_pdf, from), eta_vcm);
-    const VF farther = hn::Mul(hn::Div(cosine, density), IfThen(delta, earlier, combined));
-    const VF here = IfThen(delta, zero, hn::Div(one, density));
+    const VF farther = cosine / density * IfThen(delta, earlier, combined);
+    const VF here = IfThen(delta, zero, one / density);
     Scatter({Bounded(here), Bounded(farther)}, rays.path + i, LanesLeft(i, n), paths.d_vcm,
             paths.d_vc);
   }
@@ -146,13 +146,13 @@ void WeighHitLight(const SubpathColumns& paths, const float* arrival, std::uint3
                    const MisPolicy& mis, const EscapeColumns& rows) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
-    const VF earlier = hn::Mul(Gather(paths.d_vc, path), Load(arrival + i));
+    const VF earlier = Gather(paths.d_vc, path) * Load(arrival + i);
     const VF combined = Join(Gather(paths.d_vcm, path), earlier);
     const MF partner = hn::Gt(Load(rows.pdf + i), hn::Zero(F()));
-    const VF others = hn::IfThenElseZero(partner, hn::Mul(combined, Load(rows.light_pdf + i)));
+    const VF others = hn::IfThenElseZero(partner, combined * Load(rows.light_pdf + i));
     const V3 throughput =
         Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i);
-    Store3(Scale(throughput, HeuristicWeight(mis, others, hn::Zero(F()))), rows.throughput_r + i,
+    Store3(throughput * HeuristicWeight(mis, others, hn::Zero(F())), rows.throughput_r + i,
            rows.throughput_g + i, rows.throughput_b + i);
     Store(hn::Zero(F()), rows.pdf + i);
   }
@@ -170,16 +170,15 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     // A light without extent has an irradiance in place of radiance, and nothing can hit it.
     const MF extended = hn::Lt(pdf, Set(kPunctual));
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
-    const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
-    const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
+    const VF by_bsdf = hn::IfThenElseZero(extended, Load(forward.pdf + i) / density);
+    const VF from_light = Load(arrival + i) * AbsDot(GeometricNormal(s, i), dir);
     const VF combined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(backward.pdf + i),
                                       Set(techniques.eta_vcm));
-    const VF weight = HeuristicWeight(techniques.mis, by_bsdf, hn::Mul(from_light, combined));
-    const VF factor = hn::Div(weight, density);
-    const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
-                                  Load3(forward.r + i, forward.g + i, forward.b + i)),
-                              Load3(lights.r + i, lights.g + i, lights.b + i)),
-                          factor);
+    const VF weight = HeuristicWeight(techniques.mis, by_bsdf, from_light * combined);
+    const VF factor = weight / density;
+    const V3 gain = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i) *
+                    Load3(forward.r + i, forward.g + i, forward.b + i) *
+                    Load3(lights.r + i, lights.g + i, lights.b + i) * factor;
     const MF counts = hn::And(hn::Gt(pdf, zero), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), lights.r + i, lights.g + i, lights.b + i);
     Store(IfThen(counts, infinity, Set(-1.0f)), lights.t_far + i);
@@ -193,16 +192,15 @@ void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float*
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
     const VF combined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(back_pdf + i),
                                       Set(techniques.eta_vcm));
-    const VF others =
-        hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), combined);
+    const VF others = Load(arrival + i) * cosine / light_paths * combined;
     const VF weight = HeuristicWeight(techniques.mis, others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
-    Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
+    Store3(gain * weight, to_eye.r + i, to_eye.g + i, to_eye.b + i);
   }
 }
 
 // Returns the point on the surface, without the lift of the origin.
-HWY_INLINE V3 HitOf(const V3& org, const V3& ng, VF lift) { return Sub(org, Scale(ng, lift)); }
+HWY_INLINE V3 HitOf(const V3& org, const V3& ng, VF lift) { return org - ng * lift; }
 
 void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,
@@ -216,11 +214,11 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
                           Load(s.lift + i));
     const V3 there = HitOf(Gather3(v.org_x, v.org_y, v.org_z, row),
                            Gather3(v.ng_x, v.ng_y, v.ng_z, row), Gather(v.lift, row));
-    const V3 offset = Sub(there, here);
+    const V3 offset = there - here;
     const VF distance2 = Dot(offset, offset);
     connected = hn::And(connected, hn::RebindMask(U(), hn::Gt(distance2, Set(1e-30f))));
     const VF distance = hn::Sqrt(hn::Max(distance2, Set(1e-30f)));
-    const V3 dir = Scale(offset, hn::Div(Set(1.0f), distance));
+    const V3 dir = offset * (1.0f / distance);
     Store3(dir, to_light.dir_x + i, to_light.dir_y + i, to_light.dir_z + i);
     Store(IfThen(hn::RebindMask(F(), connected), distance, Set(-1.0f)), to_light.t_far + i);
     Store(IfThen(connected, row, SetU(kNoRow)), partner + i);
@@ -247,40 +245,36 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     const V3 there_ng = Gather3(v.ng_x, v.ng_y, v.ng_z, row);
     const V3 there_wo = Gather3(v.wo_x, v.wo_y, v.wo_z, row);
     const VF distance = Load(to_light.t_far + i);
-    const VF inverse2 = hn::Div(Set(1.0f), hn::Mul(distance, distance));
+    const VF inverse2 = 1.0f / (distance * distance);
     const VF eye_cosine = AbsDot(ng, dir), light_cosine = AbsDot(there_ng, dir);
 
     // The value at the light's end has the cosine of the shading normal to where light came from in
     // place of the geometric one, which flux has (Veach 1997, 5.3.2).
-    const VF geometry =
-        hn::Div(hn::Mul(light_cosine, inverse2), Divisor(AbsDot(there_ng, there_wo)));
+    const VF geometry = light_cosine * inverse2 / Divisor(AbsDot(there_ng, there_wo));
     const V3 light_value =
         Gather3(ends.light_backward.r, ends.light_backward.g, ends.light_backward.b, row);
     const V3 eye_value =
         Load3(ends.eye_forward.r + i, ends.eye_forward.g + i, ends.eye_forward.b + i);
-    const V3 eye =
-        Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), eye_value);
-    const V3 light = Mul(Gather3(v.throughput_r, v.throughput_g, v.throughput_b, row), light_value);
+    const V3 eye = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i) * eye_value;
+    const V3 light = Gather3(v.throughput_r, v.throughput_g, v.throughput_b, row) * light_value;
 
     // The density of each end as sampled from the other one is set against how it was sampled.
-    const VF to_there = hn::Mul(hn::Mul(Load(ends.eye_forward.pdf + i), light_cosine), inverse2);
-    const VF to_here = hn::Mul(hn::Mul(Gather(ends.light_forward.pdf, row), eye_cosine), inverse2);
+    const VF to_there = Load(ends.eye_forward.pdf + i) * light_cosine * inverse2;
+    const VF to_here = Gather(ends.light_forward.pdf, row) * eye_cosine * inverse2;
     const VF of_light = SumTechniques(Gather(vertices.at.d_vcm, row), Gather(vertices.at.d_vc, row),
                                       Gather(ends.light_backward.pdf, row), eta_vcm);
     const VF of_eye = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i),
                                     Load(ends.eye_backward.pdf + i), eta_vcm);
-    const VF weight =
-        HeuristicWeight(techniques.mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
-    const V3 gain = Scale(Mul(eye, light), hn::Mul(geometry, weight));
+    const VF weight = HeuristicWeight(techniques.mis, to_there * of_light, to_here * of_eye);
+    const V3 gain = eye * light * (geometry * weight);
     const MF counts = hn::And(hn::RebindMask(F(), connected), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
            to_light.b + i);
 
     const V3 offset =
-        Sub(Gather3(v.org_x, v.org_y, v.org_z, row), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
+        Gather3(v.org_x, v.org_y, v.org_z, row) - Load3(s.org_x + i, s.org_y + i, s.org_z + i);
     const VF reach = hn::Sqrt(hn::Max(Dot(offset, offset), Set(1e-30f)));
-    Store3(Scale(offset, hn::Div(Set(1.0f), reach)), to_light.dir_x + i, to_light.dir_y + i,
-           to_light.dir_z + i);
+    Store3(offset * (1.0f / reach), to_light.dir_x + i, to_light.dir_y + i, to_light.dir_z + i);
     Store(IfThen(counts, reach, Set(-1.0f)), to_light.t_far + i);
   }
 }
@@ -294,14 +288,13 @@ void MergeVertices(const SurfaceColumns& s, const SubpathColumns& at,
     const VU row = LoadRows(vertex, i, n);
     // Both sub-paths end here, so each could have gone on along the other one.
     const VF of_light =
-        Join(hn::Mul(Gather(light.d_vc, row), Load(forward.pdf + i)), Gather(light.d_vcm, row));
-    const VF of_eye = Join(hn::Mul(Load(at.d_vc + i), Load(backward + i)), Load(at.d_vcm + i));
-    const VF weight =
-        HeuristicWeight(techniques.mis, hn::Mul(of_light, per_merge), hn::Mul(of_eye, per_merge));
+        Join(Gather(light.d_vc, row) * Load(forward.pdf + i), Gather(light.d_vcm, row));
+    const VF of_eye = Join(Load(at.d_vc + i) * Load(backward + i), Load(at.d_vcm + i));
+    const VF weight = HeuristicWeight(techniques.mis, of_light * per_merge, of_eye * per_merge);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 value = Load3(forward.r + i, forward.g + i, forward.b + i);
     const V3 arriving = Load3(lights.r + i, lights.g + i, lights.b + i);
-    const V3 gain = Scale(Mul(Mul(throughput, value), arriving), weight);
+    const V3 gain = throughput * value * arriving * weight;
     Store3(gain, lights.r + i, lights.g + i, lights.b + i);
     const MF counts = hn::Gt(MaxComponent(gain), zero);
     Store(IfThen(counts, zero, Set(-1.0f)), lights.t_far + i);

@@ -57,7 +57,7 @@ struct Connection {
 HWY_INLINE V3 LensPoint(const CameraView& camera, const UniformColumns& lens, std::uint32_t i) {
   VF x, y;
   SampleDisc(Load(lens.u + i), Load(lens.v + i), x, y);
-  return Add(Scale(Set3(camera.lens_x), x), Scale(Set3(camera.lens_y), y));
+  return Set3(camera.lens_x) * x + Set3(camera.lens_y) * y;
 }
 
 // A pixel is seen under the solid angle |N . D| / |D|^3, N being the cross product of its sides and
@@ -69,18 +69,17 @@ struct ToPerspective {
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm& film,
                                        const UniformColumns& lens, const V3& point,
                                        std::uint32_t i) {
-    V3 to_point = Sub(point, Set3(camera.origin)), shift;
-    if constexpr (kLens) shift = LensPoint(camera, lens, i), to_point = Sub(to_point, shift);
+    V3 to_point = point - Set3(camera.origin), shift;
+    if constexpr (kLens) shift = LensPoint(camera, lens, i), to_point = to_point - shift;
     const VF distance = hn::Sqrt(Dot(to_point, to_point));
     const VF height = Set(film.corner_height);
-    const VF depth = hn::Div(Dot(Set3(film.normal), to_point), height);
+    const VF depth = Dot(Set3(film.normal), to_point) / height;
     const MF seen = hn::Gt(depth, Set(1e-20f));
-    const VF inverse = hn::Div(Set(1.0f), IfThen(seen, depth, Set(1.0f)));
-    V3 on = Scale(to_point, inverse);  // on the film's plane
-    if constexpr (kLens) on = Add(on, Scale(shift, Set(1 / camera.focal_distance)));
-    on = Sub(on, Set3(camera.corner));
-    const VF importance =
-        hn::Div(hn::Mul(distance, hn::Mul(inverse, hn::Mul(inverse, inverse))), hn::Abs(height));
+    const VF inverse = 1.0f / IfThen(seen, depth, Set(1.0f));
+    V3 on = to_point * inverse;  // on the film's plane
+    if constexpr (kLens) on = on + shift * (1 / camera.focal_distance);
+    on = on - Set3(camera.corner);
+    const VF importance = distance * (inverse * (inverse * inverse)) / hn::Abs(height);
     return {to_point,   distance, Dot(Set3(film.column), on), Dot(Set3(film.row), on),
             importance, seen};
   }
@@ -92,22 +91,22 @@ struct ToOrthographic {
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm& film,
                                        const UniformColumns& lens, const V3& point,
                                        std::uint32_t i) {
-    V3 from_corner = Sub(point, Set3(camera.corner)), along = Set3(camera.forward);
+    V3 from_corner = point - Set3(camera.corner), along = Set3(camera.forward);
     if constexpr (kLens) {
       const V3 shift = LensPoint(camera, lens, i);
-      from_corner = Sub(from_corner, shift);
-      along = Sub(Scale(along, Set(camera.focal_distance)), shift);
+      from_corner = from_corner - shift;
+      along = along * camera.focal_distance - shift;
     }
     const V3 normal = Set3(film.normal);
     const VF slope = Dot(normal, along);
-    const VF steps = hn::Div(Dot(normal, from_corner), slope);
-    const V3 to_point = Scale(along, steps), on = Sub(from_corner, to_point);
+    const VF steps = Dot(normal, from_corner) / slope;
+    const V3 to_point = along * steps, on = from_corner - to_point;
     const VF length = hn::Sqrt(Dot(along, along));
     return {to_point,
-            hn::Mul(steps, length),
+            steps * length,
             Dot(Set3(film.column), on),
             Dot(Set3(film.row), on),
-            hn::Div(length, hn::Abs(slope)),
+            length / hn::Abs(slope),
             hn::Gt(steps, hn::Zero(F()))};
   }
 };
@@ -116,24 +115,24 @@ struct ToOrthographic {
 // the camera's axes.
 struct SeenDirection {
   HWY_INLINE SeenDirection(const CameraView& camera, const V3& point)
-      : to_point(Sub(point, Set3(camera.origin))), distance(hn::Sqrt(Dot(to_point, to_point))) {
+      : to_point(point - Set3(camera.origin)), distance(hn::Sqrt(Dot(to_point, to_point))) {
     seen = hn::Gt(distance, Set(1e-15f));
-    const V3 dir = Scale(to_point, hn::Div(Set(1.0f), IfThen(seen, distance, Set(1.0f))));
+    const V3 dir = to_point * (1.0f / IfThen(seen, distance, Set(1.0f)));
     right = Dot(Set3(camera.right), dir);
     down = Dot(Set3(camera.down), dir);
     forward = Dot(Set3(camera.forward), dir);
   }
   // `density` is in pixels per steradian.
   HWY_INLINE Connection At(VF x, VF y, VF density) const {
-    const VF distance2 = hn::Max(hn::Mul(distance, distance), Set(1e-30f));
-    return {to_point, distance, x, y, hn::Div(density, distance2), seen};
+    const VF distance2 = hn::Max(distance * distance, Set(1e-30f));
+    return {to_point, distance, x, y, density / distance2, seen};
   }
   V3 to_point;
   VF distance, right, down, forward;
   MF seen;
 };
 
-HWY_INLINE VF Hypotenuse(VF a, VF b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); }
+HWY_INLINE VF Hypotenuse(VF a, VF b) { return hn::Sqrt(a * a + b * b); }
 
 struct ToLatLong {
   template <bool>
@@ -142,12 +141,11 @@ struct ToLatLong {
     const SeenDirection to(camera, point);
     const VF width = Set(float(camera.whole_width)), height = Set(float(camera.whole_height));
     const VF sine = Hypotenuse(to.right, to.forward);
-    VF turn = Atan2Turn(hn::Neg(to.right), hn::Neg(to.forward));
-    turn = hn::Sub(turn, hn::Floor(turn));
-    const VF polar = Atan2Turn(sine, hn::Neg(to.down));  // [turns], up to 1/2
-    const VF density =
-        hn::Div(hn::Mul(width, height), hn::Max(hn::Mul(Set(2 * kPi * kPi), sine), Set(1e-20f)));
-    return to.At(hn::Mul(turn, width), hn::Mul(hn::Add(polar, polar), height), density);
+    VF turn = Atan2Turn(-to.right, -to.forward);
+    turn = turn - hn::Floor(turn);
+    const VF polar = Atan2Turn(sine, -to.down);  // [turns], up to 1/2
+    const VF density = width * height / hn::Max((2 * kPi * kPi) * sine, Set(1e-20f));
+    return to.At(turn * width, (polar + polar) * height, density);
   }
 };
 
@@ -158,10 +156,10 @@ struct ToEqualArea {
     const SeenDirection to(camera, point);
     const VF one = Set(1.0f);
     VF a, b;
-    PlaceOnEqualAreaSquare({to.right, to.forward, hn::Neg(to.down)}, a, b);
+    PlaceOnEqualAreaSquare({to.right, to.forward, -to.down}, a, b);
     const float width = float(camera.whole_width), rows = float(camera.whole_height);
-    return to.At(hn::Mul(hn::Add(a, one), Set(0.5f * width)),
-                 hn::Mul(hn::Add(b, one), Set(0.5f * rows)), Set(width * rows * 0.25f * kInvPi));
+    return to.At((a + one) * (0.5f * width), (b + one) * (0.5f * rows),
+                 Set(width * rows * 0.25f * kInvPi));
   }
 };
 
@@ -172,15 +170,14 @@ struct ToFisheye {
     const SeenDirection to(camera, point);
     const VF one = Set(1.0f), sine = Hypotenuse(to.right, to.down);
     const VF turns = Atan2Turn(sine, to.forward);
-    const VF radius = hn::Mul(turns, Set(1 / camera.turns_per_pixel));
+    const VF radius = turns * (1 / camera.turns_per_pixel);
     // This is radius / sine, or its limit for small angles in the middle.
     const float per_radian = 0.5f * kInvPi / camera.turns_per_pixel;
     const MF middle = hn::Lt(sine, Set(1e-6f));
-    const VF across = IfThen(middle, Set(per_radian), hn::Div(radius, IfThen(middle, one, sine)));
+    const VF across = IfThen(middle, Set(per_radian), radius / IfThen(middle, one, sine));
     Connection connection =
-        to.At(hn::Add(hn::Mul(to.right, across), Set(0.5f * float(camera.whole_width))),
-              hn::Add(hn::Mul(to.down, across), Set(0.5f * float(camera.whole_height))),
-              hn::Mul(across, Set(per_radian)));
+        to.At(to.right * across + (0.5f * float(camera.whole_width)),
+              to.down * across + (0.5f * float(camera.whole_height)), across * per_radian);
     connection.seen = hn::And(connection.seen, hn::Le(turns, Set(camera.rim_turns)));
     return connection;
   }
@@ -195,7 +192,7 @@ HWY_INLINE void ConnectCameraOf(const CameraView& camera, const SurfaceColumns& 
     const V3 point = Load3(points.org_x + i, points.org_y + i, points.org_z + i);
     const Connection c = Kind::template Connect<kLens>(camera, film, lens, point, i);
     const VF one = Set(1.0f);
-    const V3 back = Scale(c.to_point, hn::Div(Set(-1.0f), IfThen(c.seen, c.distance, one)));
+    const V3 back = c.to_point * (-1.0f / IfThen(c.seen, c.distance, one));
     Store3(back, lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
     Store(IfThen(c.seen, c.distance, Set(-1.0f)), lights.t_far + i);
     Store(c.x, out.x + i);
@@ -234,28 +231,28 @@ struct ChosenPixel {
 HWY_INLINE ChosenPixel ChoosePixel(const FilterView& filter, VF at, VF u) {
   // At most this many pixels, from `first` on, have their centres within the radius of `at`.
   const auto candidates = std::uint32_t(std::floor(2 * filter.radius)) + 1;
-  const VF first = hn::Ceil(hn::Sub(at, Set(filter.radius + 0.5f)));
+  const VF first = hn::Ceil(at - (filter.radius + 0.5f));
   const VF cells = Set(0.5f * float(kFilterCells) / filter.radius);
   const VF zero = hn::Zero(F());
   const auto weight = [&](std::uint32_t k) HWY_ATTR {
-    const VF offset = hn::Sub(at, hn::Add(first, Set(float(k) + 0.5f)));
-    const VF cell = hn::Floor(hn::Mul(hn::Add(offset, Set(filter.radius)), cells));
+    const VF offset = at - (first + (float(k) + 0.5f));
+    const VF cell = hn::Floor((offset + filter.radius) * cells);
     const MF inside = hn::And(hn::Ge(cell, zero), hn::Lt(cell, Set(float(kFilterCells))));
     const VF density = Gather(filter.density, ToUnsigned(hn::IfThenElseZero(inside, cell)));
     return hn::IfThenElseZero(inside, density);
   };
   VF sum = zero;
-  for (std::uint32_t k = 0; k < candidates; ++k) sum = hn::Add(sum, weight(k));
-  const VF target = hn::Mul(u, sum);
+  for (std::uint32_t k = 0; k < candidates; ++k) sum = sum + weight(k);
+  const VF target = u * sum;
   VF below = zero, chosen = zero;
   for (std::uint32_t k = 0; k < candidates; ++k) {
     // The last pixel is chosen whose interval begins at or below the target and is not empty.
     const VF width = weight(k);
     const MF here = hn::And(hn::Ge(target, below), hn::Gt(width, zero));
     chosen = IfThen(here, Set(float(k)), chosen);
-    below = hn::Add(below, width);
+    below = below + width;
   }
-  return {hn::Add(first, chosen), sum};
+  return {first + chosen, sum};
 }
 
 // Wraps pixels beyond the sides of the film to those that GenerateCameraRays sees there.
@@ -263,21 +260,21 @@ HWY_INLINE void WrapPixels(const CameraView& camera, VF& column, VF& row) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   const VF width = Set(float(camera.whole_width)), height = Set(float(camera.whole_height));
   const auto mirrored = [&](VF at, VF size) HWY_ATTR {
-    const VF above = hn::Sub(hn::Sub(hn::Add(size, size), one), at);
-    return IfThen(hn::Lt(at, zero), hn::Sub(hn::Neg(at), one), IfThen(hn::Ge(at, size), above, at));
+    const VF above = size + size - one - at;
+    return IfThen(hn::Lt(at, zero), -at - one, IfThen(hn::Ge(at, size), above, at));
   };
   const auto beyond = [&](VF at, VF size)
                           HWY_ATTR { return hn::Or(hn::Lt(at, zero), hn::Ge(at, size)); };
   if (camera.kind == CameraKind::kLatLong) {
     const VF half = Set(float(camera.whole_width / 2));
-    column = IfThen(beyond(row, height), hn::Add(column, half), column);
+    column = IfThen(beyond(row, height), column + half, column);
     row = mirrored(row, height);
-    column = hn::Sub(column, hn::Mul(width, hn::Floor(hn::Div(column, width))));
+    column = column - width * hn::Floor(column / width);
   } else if (camera.kind == CameraKind::kEqualArea) {
-    const VF turned_row = hn::Sub(hn::Sub(height, one), row);
+    const VF turned_row = height - one - row;
     row = IfThen(beyond(column, width), turned_row, row);
     column = mirrored(column, width);
-    const VF turned_column = hn::Sub(hn::Sub(width, one), column);
+    const VF turned_column = width - one - column;
     column = IfThen(beyond(row, height), turned_column, column);
     row = mirrored(row, height);
   }
@@ -310,14 +307,14 @@ void ChoosePixels(const CameraView& camera, const FilterView& filter,
     const ChosenPixel down = ChoosePixel(filter, IfThen(open, y, zero), Load(uniforms.v + i));
     VF column = across.pixel, row = down.pixel;
     if (wraps) WrapPixels(camera, column, row);
-    column = hn::Sub(column, Set(float(camera.first_column)));
-    row = hn::Sub(row, Set(float(camera.first_row)));
-    const VF weight = hn::Mul(across.sum, down.sum);
+    column = column - float(camera.first_column);
+    row = row - float(camera.first_row);
+    const VF weight = across.sum * down.sum;
     open = hn::And(open, hn::Gt(weight, zero));
     open = hn::And(open, hn::And(hn::Ge(column, zero), hn::Lt(column, width)));
     open = hn::And(open, hn::And(hn::Ge(row, zero), hn::Lt(row, height)));
-    const VU pixel = hn::Add(hn::Mul(ToUnsigned(hn::IfThenElseZero(open, row)), SetU(camera.width)),
-                             ToUnsigned(hn::IfThenElseZero(open, column)));
+    const VU pixel = ToUnsigned(hn::IfThenElseZero(open, row)) * SetU(camera.width) +
+                     ToUnsigned(hn::IfThenElseZero(open, column));
     Store(IfThen(open, t_far, closed), lights.t_far + i);
     Store(pixel, connections.pixel + i);
     Store(hn::IfThenElseZero(open, weight), connections.weight + i);
@@ -333,8 +330,8 @@ void WeighConnections(const SurfaceColumns& s, const BsdfValueColumns& values,
     const MF open = hn::Ge(t_far, zero);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
-    const VF seen = hn::Mul(Load(connections.importance + i), Load(connections.weight + i));
-    const V3 gain = Scale(Mul(throughput, value), seen);
+    const VF seen = Load(connections.importance + i) * Load(connections.weight + i);
+    const V3 gain = throughput * value * seen;
     const MF counts = hn::And(open, hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), lights.r + i, lights.g + i, lights.b + i);
     Store(IfThen(counts, t_far, Set(-1.0f)), lights.t_far + i);

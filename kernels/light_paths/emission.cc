@@ -53,12 +53,12 @@ void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
     const MF drawn = hn::Gt(pdf, zero), directional = hn::Eq(pdf, infinity);
     // A directional light has its irradiance over its probability in r, g, b.
     const VF density = IfThen(hn::AndNot(directional, drawn), pdf, one);
-    const VF worth = hn::IfThenElseZero(drawn, hn::Div(area, density));
+    const VF worth = hn::IfThenElseZero(drawn, area / density);
     const Emitted emitted = {
         .org = EnterScene(sphere, towards, Load(disk.u + i), Load(disk.v + i)),
-        .dir = Neg(towards),
-        .flux = Scale(Load3(samples.r + i, samples.g + i, samples.b + i), worth),
-        .pdf = hn::Div(density, area),
+        .dir = -towards,
+        .flux = Load3(samples.r + i, samples.g + i, samples.b + i) * worth,
+        .pdf = density / area,
         .light_pdf = density,
         .direction_pdf = IfThen(directional, zero, density),
         .cosine = one,
@@ -73,24 +73,24 @@ HWY_INLINE Emitted EmitFromTriangles(const LightLanes& light, VF probability,
                                      const TrianglePoint& on, VF u, VF v, V3& normal) {
   const VF one = Set(1.0f), half = Set(0.5f);
   const V3 axis = light.axis(), edge = light.edge();
-  const V3 point = Add(light.position(), on.From(axis, edge));
+  const V3 point = light.position() + on.From(axis, edge);
   // The first half of v goes to the front where both sides emit.
   const MF two_sided = light.two_sided();
   const MF back = hn::And(two_sided, hn::Ge(v, half));
-  const VF twice = hn::Sub(hn::Add(v, v), hn::IfThenElseZero(back, one));
+  const VF twice = v + v - hn::IfThenElseZero(back, one);
   const V3 cross = Normalize(Cross(axis, edge));
-  normal = IfThen(back, Neg(cross), cross);
+  normal = IfThen(back, -cross, cross);
   const V3 local = CosineHemisphere(u, IfThen(two_sided, twice, v));
   // The origin is lifted as those of surfaces are (kernels/surface/surface.cc).
-  const V3 org = Add(point, Scale(normal, hn::Mul(LargestCoordinate(point), Set(0x1p-16f))));
+  const V3 org = point + normal * (LargestCoordinate(point) * (0x1p-16f));
   const VF share = IfThen(two_sided, half, one);
-  const VF light_pdf = hn::Div(probability, light.area());
-  const VF direction_pdf = hn::Mul(hn::Mul(local.z, Set(kInvPi)), share);
+  const VF light_pdf = probability / light.area();
+  const VF direction_pdf = local.z * kInvPi * share;
   return {.org = org,
           .dir = ToWorld(MakeFrame(normal), local),
           // The cosine of the flux and that of the density cancel.
-          .flux = Scale(light.emission(), hn::Div(Set(kPi), hn::Mul(light_pdf, share))),
-          .pdf = hn::Mul(light_pdf, direction_pdf),
+          .flux = light.emission() * (kPi / (light_pdf * share)),
+          .pdf = light_pdf * direction_pdf,
           .light_pdf = light_pdf,
           .direction_pdf = direction_pdf,
           .cosine = local.z,
@@ -99,10 +99,10 @@ HWY_INLINE Emitted EmitFromTriangles(const LightLanes& light, VF probability,
 
 HWY_INLINE Emitted EmitFromPoints(const LightLanes& light, VF probability, VF u, VF v) {
   const VF direction_pdf = Set(0.25f * kInvPi);
-  const VF pdf = hn::Mul(probability, direction_pdf);
+  const VF pdf = probability * direction_pdf;
   return {.org = light.position(),
           .dir = UniformSphere(u, v),
-          .flux = Scale(light.emission(), hn::Div(Set(1.0f), pdf)),
+          .flux = light.emission() * (1.0f / pdf),
           .pdf = pdf,
           .light_pdf = probability,
           .direction_pdf = direction_pdf,
@@ -111,13 +111,13 @@ HWY_INLINE Emitted EmitFromPoints(const LightLanes& light, VF probability, VF u,
 }
 
 HWY_INLINE Emitted EmitFromSpots(const LightLanes& light, VF probability, VF u, VF v) {
-  const VF one = Set(1.0f), widest = hn::Sub(one, light.Number(12));
+  const VF one = Set(1.0f), widest = one - light.Number(12);
   const V3 local = InCone(u, v, widest);
-  const VF direction_pdf = hn::Div(Set(0.5f * kInvPi), hn::Max(widest, Set(1e-7f)));
-  const VF pdf = hn::Mul(probability, direction_pdf);
+  const VF direction_pdf = (0.5f * kInvPi) / hn::Max(widest, Set(1e-7f));
+  const VF pdf = probability * direction_pdf;
   return {.org = light.position(),
           .dir = ToWorld(MakeFrame(light.axis()), local),
-          .flux = Scale(light.emission(), hn::Div(SpotFalloff(light, local.z), pdf)),
+          .flux = light.emission() * (SpotFalloff(light, local.z) / pdf),
           .pdf = pdf,
           .light_pdf = probability,
           .direction_pdf = direction_pdf,
@@ -128,10 +128,10 @@ HWY_INLINE Emitted EmitFromSpots(const LightLanes& light, VF probability, VF u, 
 HWY_INLINE Emitted EmitFromShapes(const LightLanes& light, const ShapeLanes& shape, VF probability,
                                   VF u, VF v) {
   const DrawnDirection drawn = DrawDirection(shape, u, v);
-  const VF pdf = hn::Mul(probability, drawn.pdf);
+  const VF pdf = probability * drawn.pdf;
   return {.org = light.position(),
           .dir = drawn.dir,
-          .flux = Scale(Mul(light.emission(), drawn.value), hn::Div(Set(1.0f), pdf)),
+          .flux = light.emission() * drawn.value * (1.0f / pdf),
           .pdf = pdf,
           .light_pdf = probability,
           .direction_pdf = drawn.pdf,
@@ -144,9 +144,9 @@ HWY_INLINE Emitted EmitFromDistant(const LightLanes& light, VF probability,
   const VF area = Set(kPi * sphere.radius * sphere.radius);
   const V3 towards = light.axis();
   return {.org = EnterScene(sphere, towards, u, v),
-          .dir = Neg(towards),
-          .flux = Scale(light.emission(), hn::Div(area, probability)),
-          .pdf = hn::Div(probability, area),
+          .dir = -towards,
+          .flux = light.emission() * (area / probability),
+          .pdf = probability / area,
           .light_pdf = probability,
           .direction_pdf = hn::Zero(F()),
           .cosine = Set(1.0f),

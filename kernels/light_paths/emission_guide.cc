@@ -15,9 +15,9 @@ namespace HWY_NAMESPACE {
 
 HWY_INLINE VU GuideCellOf(const V3& towards) {
   const VF half = Set(0.5f);
-  const VU row = CellOf(hn::Add(hn::Mul(towards.z, half), half), kGuideRows);
-  const VU turn = CellOf(hn::Add(Atan2Turn(towards.y, towards.x), half), kGuideTurns);
-  return hn::Add(hn::Mul(row, SetU(kGuideTurns)), turn);
+  const VU row = CellOf(towards.z * half + half, kGuideRows);
+  const VU turn = CellOf(Atan2Turn(towards.y, towards.x) + half, kGuideTurns);
+  return row * SetU(kGuideTurns) + turn;
 }
 
 // These are the fields of one cell per lane.
@@ -40,9 +40,7 @@ struct CellLanes {
 struct Leaf {
   VF low[2], width[2];
   // Returns the density of starts that the trees place [1 / area of the square].
-  HWY_INLINE VF density() const {
-    return hn::Div(Set(1.0f / kGuideLeaves), hn::Mul(width[0], width[1]));
-  }
+  HWY_INLINE VF density() const { return (1.0f / kGuideLeaves) / (width[0] * width[1]); }
 };
 
 // Walks down the trees; `goes_up(axis, cut)` selects the lanes that go to the upper part.
@@ -53,14 +51,14 @@ HWY_INLINE Leaf Descend(const EmissionGuideView& guide, const CellLanes& c, cons
   VU node = SetU(1);
   for (std::uint32_t level = 0; level < kGuideLevels; ++level) {
     const std::uint32_t axis = level & 1;
-    const VF cut = Gather(guide.cuts, hn::Add(tree, node));
+    const VF cut = Gather(guide.cuts, tree + node);
     const MF up = goes_up(axis, cut);
     low[axis] = IfThen(up, cut, low[axis]);
     high[axis] = IfThen(up, high[axis], cut);
     const VU one = hn::IfThenElseZero(hn::RebindMask(U(), up), SetU(1));
-    node = hn::Add(hn::Add(node, node), one);
+    node = node + node + one;
   }
-  return {{low[0], low[1]}, {hn::Sub(high[0], low[0]), hn::Sub(high[1], low[1])}};
+  return {{low[0], low[1]}, {high[0] - low[0], high[1] - low[1]}};
 }
 
 // A line along `towards` enters the scene's disk at (u, v).
@@ -78,17 +76,17 @@ HWY_INLINE VF Crowding(const SceneSphere& sphere, const EmissionGuideView& guide
       Descend(guide, c, [&](std::uint32_t axis, VF cut) HWY_ATTR { return hn::Ge(at[axis], cut); });
   MF boxed = hn::And(hn::Ge(line.u, c.low[0]), hn::Le(line.u, c.high[0]));
   boxed = hn::And(boxed, hn::And(hn::Ge(line.v, c.low[1]), hn::Le(line.v, c.high[1])));
-  const VF others = hn::Sub(hn::Sub(Set(1.0f), c.even), c.focused);
+  const VF others = 1.0f - c.even - c.focused;
 
-  const V3 from = Sub(line.point, Set3(guide.focus.center));
-  const V3 across = Sub(from, Scale(towards, Dot(from, towards)));
+  const V3 from = line.point - Set3(guide.focus.center);
+  const V3 across = from - towards * Dot(from, towards);
   // Starts on the rim must not round to the outside, where their flux would be divided by too
   // little.
   const float rim = guide.focus.radius + 0x1p-20f * sphere.radius;
   const MF seen = hn::Le(Dot(across, across), Set(rim * rim));
   const float narrower = sphere.radius / guide.focus.radius;
-  return hn::Add(hn::Add(c.even, hn::IfThenElseZero(boxed, hn::Mul(others, leaf.density()))),
-                 hn::IfThenElseZero(seen, hn::Mul(c.focused, Set(narrower * narrower))));
+  return c.even + hn::IfThenElseZero(boxed, others * leaf.density()) +
+         hn::IfThenElseZero(seen, c.focused * (narrower * narrower));
 }
 
 // Returns the line along `towards` through surface `row`.
@@ -96,7 +94,7 @@ HWY_INLINE Line LineOf(const SceneSphere& sphere, const V3& towards, const Surfa
                        VU row) {
   const V3 ng = {Gather(s.ng_x, row), Gather(s.ng_y, row), Gather(s.ng_z, row)};
   const V3 org = {Gather(s.org_x, row), Gather(s.org_y, row), Gather(s.org_z, row)};
-  Line line = {.point = Sub(org, Scale(ng, Gather(s.lift, row)))};
+  Line line = {.point = org - ng * Gather(s.lift, row)};
   DiskPlace(sphere, towards, line.point, line.u, line.v);
   return line;
 }
@@ -146,7 +144,7 @@ void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& gui
     const VF crowding = Crowding(sphere, guide, c, towards, line);
     VF gain = c.gain;
     if (lines.pdf != nullptr) gain = IfThen(hn::Lt(Load(lines.pdf + i), Set(kPunctual)), gain, one);
-    Store(hn::Mul(hn::Mul(even, gain), crowding), arrival + i);
+    Store(even * gain * crowding, arrival + i);
   }
 }
 
@@ -154,23 +152,23 @@ void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& gui
 HWY_INLINE Line Warp(const SceneSphere& sphere, const EmissionGuideView& guide, const CellLanes& c,
                      const V3& towards, VF u, VF v) {
   const VF one = Set(1.0f);
-  const VF split = hn::Add(c.even, c.focused);
+  const VF split = c.even + c.focused;
   const MF even = hn::Lt(u, c.even), boxed = hn::Ge(u, split);
   // The choice leaves a rest of u.
   const VF start = IfThen(boxed, split, hn::IfThenElseZero(hn::Ge(u, c.even), c.even));
-  const VF length = IfThen(boxed, hn::Sub(one, split), IfThen(even, c.even, c.focused));
-  u = hn::Min(hn::Div(hn::Sub(u, start), length), Set(0x1.fffffep-1f));
+  const VF length = IfThen(boxed, one - split, IfThen(even, c.even, c.focused));
+  u = hn::Min((u - start) / length, Set(0x1.fffffep-1f));
   // The digits leave a rest of both.
   VF rest[2] = {u, v};
   const Leaf leaf = Descend(guide, c, [&](std::uint32_t axis, VF) HWY_ATTR {
-    const VF twice = hn::Add(rest[axis], rest[axis]);
+    const VF twice = rest[axis] + rest[axis];
     const MF up = hn::Ge(twice, one);
-    rest[axis] = hn::Sub(twice, hn::IfThenElseZero(up, one));
+    rest[axis] = twice - hn::IfThenElseZero(up, one);
     return up;
   });
   Line line;
   const auto in_leaf = [&](int axis) HWY_ATTR {
-    const VF place = hn::Add(leaf.low[axis], hn::Mul(rest[axis], leaf.width[axis]));
+    const VF place = leaf.low[axis] + rest[axis] * leaf.width[axis];
     return hn::Min(place, c.high[axis]);
   };
   line.u = IfThen(boxed, in_leaf(0), u);
@@ -179,8 +177,8 @@ HWY_INLINE Line Warp(const SceneSphere& sphere, const EmissionGuideView& guide, 
   const MF focused = hn::Not(hn::Or(even, boxed));
   if (hn::AllFalse(F(), focused)) return line;
   V3 in_focus = DiskPoint(guide.focus, towards, u, v);
-  const VF inside = Dot(Sub(in_focus, Set3(sphere.center)), towards);
-  in_focus = Add(in_focus, Scale(towards, hn::Sub(Set(sphere.radius), inside)));
+  const VF inside = Dot(in_focus - Set3(sphere.center), towards);
+  in_focus = in_focus + towards * (sphere.radius - inside);
   VF focus_u, focus_v;
   DiskPlace(sphere, towards, in_focus, focus_u, focus_v);
   return {IfThen(focused, in_focus, line.point), IfThen(focused, focus_u, line.u),
@@ -199,25 +197,25 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
     const MF rows = hn::RebindMask(F(), distant);
     const auto store = [&](VF value, float* to)
                            HWY_ATTR { Store(IfThen(rows, value, Load(to + i)), to + i); };
-    const V3 towards = Neg(Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i));
+    const V3 towards = -Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
     const VU cell = hn::IfThenElseZero(distant, GuideCellOf(towards));
     const CellLanes c(guide, cell);
     const Line line = Warp(sphere, guide, c, towards, Load(disk.u + i), Load(disk.v + i));
     const VF crowding = Crowding(sphere, guide, c, towards, line);
-    const V3 org = EnterBox(sphere, line.point, Neg(towards));
+    const V3 org = EnterBox(sphere, line.point, -towards);
     store(org.x, rays.org_x), store(org.y, rays.org_y), store(org.z, rays.org_z);
-    const VF factor = hn::Div(Set(1.0f), crowding);
+    const VF factor = 1.0f / crowding;
     for (float* const flux : {rays.throughput_r, rays.throughput_g, rays.throughput_b}) {
-      store(hn::Mul(Load(flux + i), factor), flux);
+      store(Load(flux + i) * factor, flux);
     }
     VF of_light = Load(emission.light_pdf + i);
     if (light_pdf != nullptr) {
       of_light = IfThen(hn::RebindMask(F(), of_environment), Load(light_pdf + i), of_light);
     }
     const VF gain = IfThen(hn::RebindMask(F(), directional), Set(1.0f), c.gain);
-    const VF arrival = hn::Mul(hn::Mul(even, gain), crowding);
+    const VF arrival = even * gain * crowding;
     store(of_light, emission.light_pdf);
-    store(hn::Mul(of_light, arrival), emission.pdf);
+    store(of_light * arrival, emission.pdf);
   }
 }
 

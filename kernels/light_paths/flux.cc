@@ -20,13 +20,13 @@ void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materi
     if (refracts) {
       const VF ratio = IndexRatio(s, materials, MaterialFields(s, i, n), i);
       const MF through = hn::Lt(Dot(ns, wi), hn::Zero(F()));
-      factor = IfThen(through, hn::Div(factor, hn::Mul(ratio, ratio)), factor);
+      factor = IfThen(through, factor / (ratio * ratio), factor);
     }
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
     // Rows of the next BSDF follow, whose values must not be multiplied here.
-    StoreBelow(hn::Mul(value.x, factor), values.r, i, n);
-    StoreBelow(hn::Mul(value.y, factor), values.g, i, n);
-    StoreBelow(hn::Mul(value.z, factor), values.b, i, n);
+    StoreBelow(value.x * factor, values.r, i, n);
+    StoreBelow(value.y * factor, values.g, i, n);
+    StoreBelow(value.z * factor, values.b, i, n);
   }
 }
 
@@ -35,9 +35,9 @@ void FaceNormals(const SurfaceColumns& s, const LightColumns& lights, std::uint3
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 dir = DirectionOf(lights, i);
     const VF side = hn::CopySign(Set(1.0f), Dot(GeometricNormal(s, i), dir));
-    const V3 ns = Scale(ShadingNormal(s, i), side);
+    const V3 ns = ShadingNormal(s, i) * side;
     const MF away = hn::Lt(Dot(ns, dir), Set(kGrazing));
-    Store3(Scale(IfThen(away, FacingBentNormal(ns, dir), ns), side), normals.x + i, normals.y + i,
+    Store3(IfThen(away, FacingBentNormal(ns, dir), ns) * side, normals.x + i, normals.y + i,
            normals.z + i);
   }
 }

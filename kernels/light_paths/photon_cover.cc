@@ -80,29 +80,26 @@ HWY_INLINE Frame CellFrame(const PhotonDisk& disk) {
   VF sine, cosine;
   SinCosTurn(ToUnitFloat(SetU(bits)), sine, cosine);
   const Frame frame = MakeFrame(Set3(disk.normal));
-  return {Add(Scale(frame.s, cosine), Scale(frame.t, sine)),
-          Sub(Scale(frame.t, cosine), Scale(frame.s, sine)), frame.n};
+  return {frame.s * cosine + frame.t * sine, frame.t * cosine - frame.s * sine, frame.n};
 }
 
 HWY_INLINE VU OctantOf(VF x, VF y) {
   const VU left = hn::ShiftRight<31>(AsBits(x)), down = hn::ShiftRight<31>(AsBits(y));
   const MU steep = hn::RebindMask(U(), hn::Gt(hn::Abs(y), hn::Abs(x)));
-  return hn::Or(hn::Or(left, hn::Add(down, down)), hn::IfThenElseZero(steep, SetU(4)));
+  return hn::Or(hn::Or(left, down + down), hn::IfThenElseZero(steep, SetU(4)));
 }
 
 void AimAtDisk(const PhotonDisk& disk, PhotonKernel kernel, const RayColumns& rays) {
   const DiskCells& cells = kCells[std::uint32_t(kernel)];
   const VF radius = Set(std::sqrt(disk.radius2)), height = Set(disk.height);
   const Frame frame = CellFrame(disk);
-  const V3 eye = Add(Set3(disk.point), Scale(frame.n, height));
+  const V3 eye = Set3(disk.point) + frame.n * height;
   for (std::uint32_t i = 0; i < kDiskCells; i += hn::Lanes(F())) {
-    const V3 down = {hn::Mul(Load(cells.x.data() + i), radius),
-                     hn::Mul(Load(cells.y.data() + i), radius), hn::Neg(height)};
+    const V3 down = {Load(cells.x.data() + i) * radius, Load(cells.y.data() + i) * radius, -height};
     const VF length = hn::Sqrt(Dot(down, down));
     Store3(eye, rays.org_x + i, rays.org_y + i, rays.org_z + i);
-    Store3(ToWorld(frame, Scale(down, hn::Div(Set(1.0f), length))), rays.dir_x + i, rays.dir_y + i,
-           rays.dir_z + i);
-    Store(hn::Mul(Set(2.0f), length), rays.t_far + i);
+    Store3(ToWorld(frame, down * (1.0f / length)), rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
+    Store(2.0f * length, rays.t_far + i);
   }
 }
 
@@ -115,8 +112,8 @@ HWY_INLINE V3 Select(MF mask, const V3& yes, const V3& no) {
 // sign.
 HWY_INLINE MF OnOneLayer(const V3& between, const V3& a, const V3& b, VF layer) {
   const VF sign = hn::CopySign(Set(1.0f), Dot(a, b));
-  const V3 mean = Add(a, Scale(b, sign));
-  return hn::Lt(hn::Abs(Dot(between, mean)), hn::Mul(layer, hn::Sqrt(Dot(mean, mean))));
+  const V3 mean = a + b * sign;
+  return hn::Lt(hn::Abs(Dot(between, mean)), layer * hn::Sqrt(Dot(mean, mean)));
 }
 
 void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, const RayColumns& rays,
@@ -130,20 +127,20 @@ void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, cons
     const V3 ng = Load3(hits.ng_x + i, hits.ng_y + i, hits.ng_z + i);
     const V3 origin = Load3(rays.org_x + i, rays.org_y + i, rays.org_z + i);
     const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
-    const V3 offset = Sub(Add(origin, Scale(dir, Load(rays.t_far + i))), Set3(disk.point));
+    const V3 offset = origin + dir * Load(rays.t_far + i) - Set3(disk.point);
     const VF length = hn::Sqrt(Dot(ng, ng));
     const VF cosine = hn::Abs(Dot(ng, normal));
-    const MF same = hn::Gt(cosine, hn::Mul(Set(kLeastNormalCosine), length));
+    const MF same = hn::Gt(cosine, kLeastNormalCosine * length);
     const MF near = hn::Lt(Dot(offset, offset), Set(disk.radius2));
     const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(hit, Load(hits.triangle + i)));
-    const VU tag = Gather(words, hn::Add(record, SetU(3)));
+    const VU tag = Gather(words, record + SetU(3));
     const MU delta = hn::Gt(hn::ShiftRight<kKindShift>(tag), SetU(kFirstDeltaBsdf - 1));
     const MU lies = hn::And(hit, hn::AndNot(delta, hn::RebindMask(U(), hn::And(same, near))));
     Store(hn::IfThenElseZero(hn::Or(lies, hn::And(hit, delta)), SetU(1)), seen + i);
     // Where no surface is known, photons are taken to lie on the plane of the disk.
     const MF known = hn::RebindMask(F(), lies);
-    const VF scale = hn::Div(Set(1.0f), IfThen(known, length, Set(1.0f)));
-    Store3(Select(known, Scale(ng, scale), normal), surface.normal_x + i, surface.normal_y + i,
+    const VF scale = 1.0f / IfThen(known, length, Set(1.0f));
+    Store3(Select(known, ng * scale, normal), surface.normal_x + i, surface.normal_y + i,
            surface.normal_z + i);
     Store3(Select(known, offset, Set3(kOrigin)), surface.x + i, surface.y + i, surface.z + i);
   }
@@ -154,7 +151,7 @@ void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, cons
 
 // Returns the positions of neighbors from the middle of the disk.
 HWY_INLINE V3 OffsetsOf(const V3& middle, const PointTreeView& tree, VU point) {
-  return Sub({Gather(tree.x, point), Gather(tree.y, point), Gather(tree.z, point)}, middle);
+  return V3{Gather(tree.x, point), Gather(tree.y, point), Gather(tree.z, point)} - middle;
 }
 
 // Returns the cells of neighbors.
@@ -209,7 +206,7 @@ void CloseUnseen(const PhotonDisk& disk, PhotonKernel kernel, const DiskSurface&
     const V3 normal = {Gather(surface.normal_x, cell), Gather(surface.normal_y, cell),
                        Gather(surface.normal_z, cell)};
     const MF one_layer =
-        OnOneLayer(Sub(offset, seen), normal, DecodeNormal(Gather(photons.normal, point)), layer);
+        OnOneLayer(offset - seen, normal, DecodeNormal(Gather(photons.normal, point)), layer);
     const MF open = hn::And(hn::RebindMask(F(), hn::Ne(bit, SetU(0))), one_layer);
     Store(IfThen(open, distance2, Set(std::numeric_limits<float>::infinity())),
           found.distance2 + i);

@@ -15,14 +15,14 @@ namespace HWY_NAMESPACE {
 
 // Returns the kernel per area of the disk, without the factor that is the same for all photons.
 HWY_INLINE VF KernelShape(PhotonKernel kernel, VF distance2, VF inverse_radius2) {
-  const VF one = Set(1.0f), inside2 = hn::Mul(distance2, inverse_radius2);
+  const VF one = Set(1.0f), inside2 = distance2 * inverse_radius2;
   switch (kernel) {
     case PhotonKernel::kConstant:
       return one;
     case PhotonKernel::kCone:
-      return hn::Sub(one, hn::Sqrt(inside2));
+      return one - hn::Sqrt(inside2);
     case PhotonKernel::kEpanechnikov:
-      return hn::Sub(one, inside2);
+      return one - inside2;
   }
   return one;
 }
@@ -66,11 +66,10 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
         hn::And(hn::Gt(same, Set(kLeastNormalCosine)), hn::Lt(distance2, Set(query.radius2))),
         hn::AndNot(deep, hn::Gt(cosine, Set(1e-6f))));
     const VF shape = KernelShape(query.kernel, distance2, inverse_radius2);
-    const VF weight =
-        IfThen(counts, hn::Div(hn::Mul(factor, shape), hn::Max(cosine, Set(1e-6f))), zero);
+    const VF weight = IfThen(counts, factor * shape / hn::Max(cosine, Set(1e-6f)), zero);
     const V3 flux = Load3(out.r + i, out.g + i, out.b + i);
     Store3(dir, out.dir_x + i, out.dir_y + i, out.dir_z + i);
-    Store3(Scale(flux, weight), out.r + i, out.g + i, out.b + i);
+    Store3(flux * weight, out.r + i, out.g + i, out.b + i);
   }
   // Copied vectors may reach further beyond the last row than those of the loop.
   Store3({zero, zero, Set(1.0f)}, out.dir_x + n, out.dir_y + n, out.dir_z + n);
@@ -84,9 +83,9 @@ void SumReflected(const BsdfValueColumns& values, const LightColumns& light, std
     alignas(kColumnAlignment) float sums[kPadRows] = {};
     for (std::uint32_t i = 0; i < n; i += kPadRows) {
       for (std::uint32_t j = 0; j < kPadRows && i + j < n; j += hn::Lanes(F())) {
-        const VF product = hn::Mul(Load(value[channel] + i + j), Load(flux[channel] + i + j));
+        const VF product = Load(value[channel] + i + j) * Load(flux[channel] + i + j);
         const MF inside = hn::RebindMask(F(), RowsBelow(i + j, n));
-        Store(hn::Add(Load(sums + j), hn::IfThenElseZero(inside, product)), sums + j);
+        Store(Load(sums + j) + hn::IfThenElseZero(inside, product), sums + j);
       }
     }
     for (const float sum : sums) rgb[channel] += sum;

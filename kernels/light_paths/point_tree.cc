@@ -27,7 +27,7 @@ HWY_INLINE void ScanLeaf(const PointTreeView& tree, std::uint32_t leaf, const fl
   const auto end = std::uint32_t(std::uint64_t(leaf + 1) * tree.count >> tree.levels);
   const V3 q = Set3(query);
   for (std::uint32_t i = begin; i < end; i += hn::Lanes(F())) {
-    const V3 offset = Sub(Load3(tree.x + i, tree.y + i, tree.z + i), q);
+    const V3 offset = Load3(tree.x + i, tree.y + i, tree.z + i) - q;
     const VF distance2 = Dot(offset, offset);
     const MU near = hn::RebindMask(U(), hn::Lt(distance2, Set(radius2)));
     const RowCompressor append(hn::And(near, RowsBelow(i, end)));

@@ -22,7 +22,7 @@ HWY_INLINE VU PlacesOf(const GuideColumns& rows, std::uint32_t i, std::uint32_t 
   return ToUnsigned(hn::IfThenElseZero(used, Load(rows.place + i)));
 }
 HWY_INLINE VF PlaceField(const BounceGuideView& guide, VU place, std::uint32_t field) {
-  return Gather(guide.place->axis, hn::Add(hn::ShiftLeft<kLogGuidePlaceWords>(place), SetU(field)));
+  return Gather(guide.place->axis, hn::ShiftLeft<kLogGuidePlaceWords>(place) + SetU(field));
 }
 HWY_INLINE Frame PlaceFrame(const BounceGuideView& guide, VU place) {
   return MakeFrame(
@@ -40,18 +40,16 @@ HWY_INLINE VU CellsOf(const V3& local, MF above) {
   const VF zero = hn::Zero(F()), side = Set(float(kBounceSide)), last = Set(float(kBounceSide - 1));
   VF u, v;
   DiscUniforms(hn::IfThenElseZero(above, local.x), hn::IfThenElseZero(above, local.y), u, v);
-  const auto step = [&](VF x) HWY_ATTR {
-    return ToUnsigned(hn::Min(hn::Max(hn::Mul(x, side), zero), last));
-  };
-  return hn::Add(hn::Mul(step(v), SetU(kBounceSide)), step(u));
+  const auto step = [&](VF x)
+                        HWY_ATTR { return ToUnsigned(hn::Min(hn::Max(x * side, zero), last)); };
+  return step(v) * SetU(kBounceSide) + step(u);
 }
 
 // Returns the direction at (x, y) of the unit square.
 HWY_INLINE V3 DirectionAt(VF x, VF y) {
   V3 local;
   SampleDisc(x, y, local.x, local.y);
-  local.z =
-      SafeSqrt(hn::Sub(Set(1.0f), hn::Add(hn::Mul(local.x, local.x), hn::Mul(local.y, local.y))));
+  local.z = SafeSqrt(1.0f - (local.x * local.x + local.y * local.y));
   return local;
 }
 
@@ -72,7 +70,7 @@ void FindCellCentres(const float* axis, const LightColumns& directions) {
     const VU cell = hn::Iota(U(), i);
     const VF x = ToFloat(hn::And(cell, SetU(kBounceSide - 1)));
     const VF y = ToFloat(hn::ShiftRight<kLogBounceSide>(cell));
-    const V3 local = DirectionAt(hn::Mul(hn::Add(x, half), step), hn::Mul(hn::Add(y, half), step));
+    const V3 local = DirectionAt((x + half) * step, (y + half) * step);
     const V3 world = ToWorld(frame, local);
     Store3(world, directions.dir_x + i, directions.dir_y + i, directions.dir_z + i);
   }
@@ -82,10 +80,9 @@ void LeaveGlossToBsdf(const SurfaceColumns& s, std::uint32_t n, const GuideColum
   constexpr float kSharp = 0.2f, kRough = 0.6f;  // GGX widths
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF width = Load(s.varying_0 + i), metal = Load(s.varying_1 + i);
-    const VF rough =
-        Clamp(hn::Mul(hn::Sub(width, Set(kSharp)), Set(1 / (kRough - kSharp))), 0.0f, 1.0f);
-    const VF diffuse = Clamp(hn::Sub(Set(1.0f), metal), 0.0f, 1.0f);
-    StoreBelow(hn::Mul(Load(rows.share + i), hn::Mul(rough, diffuse)), rows.share, i, n);
+    const VF rough = Clamp((width - kSharp) * (1 / (kRough - kSharp)), 0.0f, 1.0f);
+    const VF diffuse = Clamp(1.0f - metal, 0.0f, 1.0f);
+    StoreBelow(Load(rows.share + i) * (rough * diffuse), rows.share, i, n);
   }
 }
 
@@ -97,8 +94,8 @@ void FindGuideDensities(const BounceGuideView& guide, std::uint32_t n,
     const V3 local = ToLocal(PlaceFrame(guide, place), DirectionOf(directions, i));
     const MF above = hn::And(hn::Gt(local.z, zero), hn::RebindMask(F(), RowsBelow(i, n)));
     const VU cell = CellsOf(local, above);
-    const VF density = Gather(guide.density, hn::Add(hn::Mul(place, SetU(kBounceCells)), cell));
-    const VF pdf = hn::Mul(density, hn::Mul(local.z, Set(kInvPi)));
+    const VF density = Gather(guide.density, place * SetU(kBounceCells) + cell);
+    const VF pdf = density * (local.z * kInvPi);
     Store(hn::IfThenElseZero(above, pdf), rows.pdf + i);
   }
 }
@@ -110,8 +107,7 @@ std::uint32_t ChooseGuided(const GuideColumns& rows, std::uint32_t n,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF u = Load(direction.u + i), share = Load(rows.share + i);
     const MF picked = hn::Lt(u, share);
-    const VF rest =
-        hn::Div(IfThen(picked, u, hn::Sub(u, share)), IfThen(picked, share, hn::Sub(one, share)));
+    const VF rest = IfThen(picked, u, u - share) / IfThen(picked, share, one - share);
     StoreBelow(hn::Min(rest, below_one), direction.u, i, n);
     const RowCompressor append(hn::And(hn::RebindMask(U(), picked), RowsBelow(i, n)));
     append.Append(hn::Iota(U(), i), guided + count);
@@ -146,8 +142,7 @@ void DrawGuided(const BounceGuideView& guide, const GuideColumns& rows,
     for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
       const auto position = [&](const SearchColumns& found) HWY_ATTR {
         const VF inside = Clamp(Load(found.x + i), 0.0f, 0x1.fffffep-1f);
-        return hn::Mul(hn::Add(ToFloat(Load(found.item + i)), inside),
-                       Set(1.0f / float(kBounceSide)));
+        return (ToFloat(Load(found.item + i)) + inside) * (1.0f / float(kBounceSide));
       };
       const VF x = position(column), y = position(line);
       const V3 world = ToWorld(PlaceFrame(guide, Load(place + i)), DirectionAt(x, y));
@@ -167,8 +162,7 @@ void DrawGuided(const BounceGuideView& guide, const GuideColumns& rows,
 HWY_INLINE VF MixtureDensity(const GuideColumns& rows, const BsdfValueColumns& values,
                              std::uint32_t i) {
   const VF share = Load(rows.share + i);
-  return hn::Add(hn::Mul(hn::Sub(Set(1.0f), share), Load(values.pdf + i)),
-                 hn::Mul(share, Load(rows.pdf + i)));
+  return (1.0f - share) * Load(values.pdf + i) + share * Load(rows.pdf + i);
 }
 
 void LightGuided(const SurfaceColumns& s, const GuideColumns& rows, const BsdfValueColumns& values,
@@ -177,16 +171,16 @@ void LightGuided(const SurfaceColumns& s, const GuideColumns& rows, const BsdfVa
   const VF open = Set(std::numeric_limits<float>::infinity()), closed = Set(-1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF pdf = Load(lights.pdf + i);
-    VF factor = hn::Div(one, pdf);
+    VF factor = one / pdf;
     if (mis.enabled) {
-      const VF q = hn::Mul(MixtureDensity(rows, values, i), Set(mis.bsdf_samples));
-      factor = hn::Div(pdf, hn::Add(hn::Mul(pdf, pdf), hn::Mul(q, q)));
+      const VF q = MixtureDensity(rows, values, i) * mis.bsdf_samples;
+      factor = pdf / (pdf * pdf + q * q);
     }
     factor = IfThen(hn::Ge(pdf, Set(kPunctual)), one, factor);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
-    const V3 gain = Scale(Mul(Mul(throughput, value), radiance), factor);
+    const V3 gain = throughput * value * radiance * factor;
     const MF counts = hn::And(hn::Gt(pdf, zero), hn::Gt(MaxComponent(gain), zero));
     StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
     StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
@@ -208,14 +202,14 @@ std::uint32_t ScatterGuided(const SurfaceColumns& s, const GuideColumns& rows,
     const ShadingLanes lanes(s, i);
     const VF pdf = MixtureDensity(rows, values, i);
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
-    V3 weight = Scale(value, hn::Div(one, hn::Max(pdf, Set(1e-30f))));
+    V3 weight = value * (one / hn::Max(pdf, Set(1e-30f)));
     MF alive = hn::Gt(pdf, zero);
     if (policy.roulette) {
       const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
-      const VF largest = MaxComponent(Mul(throughput, weight));
-      const VF survival = hn::Min(hn::Mul(largest, Set(kSurvival)), one);
+      const VF largest = MaxComponent(throughput * weight);
+      const VF survival = hn::Min(largest * kSurvival, one);
       alive = hn::And(alive, hn::Lt(Load(roulette + i), survival));
-      weight = Scale(weight, hn::Div(one, hn::Max(survival, Set(1e-30f))));
+      weight = weight * (one / hn::Max(survival, Set(1e-30f)));
     }
     appended = AppendScattered(s, lanes, i, n, DirectionOf(directions, i), weight, pdf, alive, zero,
                                decided, rays, appended);

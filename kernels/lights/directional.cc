@@ -28,9 +28,9 @@ struct PickedLights {
 HWY_INLINE PickedLights FetchLights(const LightRecord* lights, VU index, float samples) {
   const auto* fields = reinterpret_cast<const float*>(lights);
   const VU at = hn::ShiftLeft<3>(index);
-  const auto field = [&](std::uint32_t k) HWY_ATTR { return Gather(fields, hn::Add(at, SetU(k))); };
-  const VF worth = hn::Div(Set(1.0f), hn::Mul(field(6), Set(samples)));
-  return {{field(0), field(1), field(2)}, Scale({field(3), field(4), field(5)}, worth)};
+  const auto field = [&](std::uint32_t k) HWY_ATTR { return Gather(fields, at + SetU(k)); };
+  const VF worth = 1.0f / (field(6) * samples);
+  return {{field(0), field(1), field(2)}, V3{field(3), field(4), field(5)} * worth};
 }
 
 void PickDirectional(const LightRecord* lights, const SearchTreeView& tree, const float* u,
@@ -54,7 +54,7 @@ void PickDirectional(const LightRecord* lights, const SearchTreeView& tree, cons
 void SplitUniforms(const float* u, std::uint32_t n, float share, float* rest) {
   const VF scale = Set(1.0f / (1.0f - share));
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF value = hn::Mul(hn::Sub(Load(u + i), Set(share)), scale);
+    const VF value = (Load(u + i) - share) * scale;
     Store(Clamp(value, 0.0f, 0x1.fffffep-1f), rest + i);
   }
 }
@@ -67,7 +67,7 @@ void PickOverSplit(const LightRecord* lights, const SearchTreeView& tree, const 
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
-      const VF scaled = hn::Mul(Load(u + begin + i), inverse_share);
+      const VF scaled = Load(u + begin + i) * inverse_share;
       Store(Clamp(scaled, 0.0f, 0x1.fffffep-1f), search.x + i);
     }
     Search(tree, search.x, rows, search);

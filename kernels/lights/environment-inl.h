@@ -23,11 +23,11 @@ HWY_INLINE VF PowerOf(VU packed) {
 }
 HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
   const VU mantissa = SetU((1u << kMantissaBits) - 1);
-  const VF scale = hn::Mul(PowerOf(packed), Set(unit));
-  return Scale({ToFloat(hn::And(packed, mantissa)),
-                ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
-                ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))},
-               scale);
+  const VF scale = PowerOf(packed) * unit;
+  const V3 mantissas = {ToFloat(hn::And(packed, mantissa)),
+                        ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
+                        ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))};
+  return mantissas * scale;
 }
 
 // Words reads lines as words; WordOf is the index of a texel of the map among them.
@@ -37,10 +37,9 @@ HWY_INLINE const std::uint32_t* Words(const TexelLine* lines) {
 HWY_INLINE VU WordOf(const EnvironmentView& map, VU column, VU row) {
   // This is column / kLineTexels, exact for columns below 43690.
   static_assert(kLineTexels == 14 && 18725 * kLineTexels - (1 << 18) == 6);
-  const VU line = hn::ShiftRight<18>(hn::Mul(column, SetU(18725)));
-  const VU skipped = hn::Mul(line, SetU(kLineWords - kLineTexels));
-  return hn::Add(hn::Mul(row, SetU(map.lines * kLineWords)),
-                 hn::Add(hn::Add(column, skipped), SetU(kLineWords - kLineTexels)));
+  const VU line = hn::ShiftRight<18>(column * SetU(18725));
+  const VU skipped = line * SetU(kLineWords - kLineTexels);
+  return row * SetU(map.lines * kLineWords) + (column + skipped + SetU(kLineWords - kLineTexels));
 }
 HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
   return UnpackRadiance(Gather(Words(map.texels), WordOf(map, column, row)), map.radiance_unit);
@@ -48,7 +47,7 @@ HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
   const float* r = map.map_from_world;  // orthonormal: its transpose is its inverse
-  return Add(Add(Scale(Set3(r), m.x), Scale(Set3(r + 3), m.y)), Scale(Set3(r + 6), m.z));
+  return Set3(r) * m.x + Set3(r + 3) * m.y + Set3(r + 6) * m.z;
 }
 HWY_INLINE V3 MapFromWorld(const EnvironmentView& map, const V3& w) {
   const float* r = map.map_from_world;
@@ -58,14 +57,14 @@ HWY_INLINE V3 MapFromWorld(const EnvironmentView& map, const V3& w) {
 // Finds the position of a direction on the map: u, v in [0, 1].
 HWY_INLINE void MapPosition(const EnvironmentView& map, const V3& dir, VF& u, VF& v) {
   const V3 m = MapFromWorld(map, dir);
-  u = hn::Add(Set(0.5f), Atan2Turn(m.x, m.y));
-  const VF sine = hn::Sqrt(hn::Add(hn::Mul(m.x, m.x), hn::Mul(m.y, m.y)));
-  v = hn::Mul(Set(2.0f), Atan2Turn(sine, m.z));
+  u = 0.5f + Atan2Turn(m.x, m.y);
+  const VF sine = hn::Sqrt(m.x * m.x + m.y * m.y);
+  v = 2.0f * Atan2Turn(sine, m.z);
 }
 
 // Returns the cell of a position in [0, 1] on a line of `count` cells.
 HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
-  const VF scaled = hn::Max(hn::Mul(position, Set(float(count))), hn::Zero(F()));
+  const VF scaled = hn::Max(position * float(count), hn::Zero(F()));
   return hn::Min(ToUnsigned(hn::Min(scaled, Set(float(count)))), SetU(count - 1));
 }
 
@@ -76,7 +75,7 @@ struct RowAreas {
 HWY_INLINE RowAreas FetchAreas(const EnvironmentView& map, VU row) {
   const auto* areas = reinterpret_cast<const float*>(map.row_area);
   const VU at = hn::ShiftLeft<1>(row);
-  return {Gather(areas, at), Gather(areas, hn::Add(at, SetU(1)))};
+  return {Gather(areas, at), Gather(areas, at + SetU(1))};
 }
 
 // Writes rows `to` and on of `out`: directions inside texels at (fx, fy) in [0, 1)^2, uniform in
@@ -84,16 +83,16 @@ HWY_INLINE RowAreas FetchAreas(const EnvironmentView& map, VU row) {
 HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, const RowAreas& area,
                            VF fx, VF fy, const V3& radiance, VF density, const LightColumns& out,
                            std::uint32_t to) {
-  const VF w = hn::Add(area.start, hn::Mul(area.step, fy));
-  const VF sine = hn::Mul(Set(2.0f), SafeSqrt(hn::Mul(w, hn::Sub(Set(1.0f), w))));
-  const VF up_north = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), w));
+  const VF w = area.start + area.step * fy;
+  const VF sine = 2.0f * SafeSqrt(w * (1.0f - w));
+  const VF up_north = 1.0f - 2.0f * w;
   const MU north = hn::Lt(row, SetU((map.height + 1) / 2));
-  const VF up = IfThen(hn::RebindMask(F(), north), up_north, hn::Neg(up_north));
+  const VF up = IfThen(hn::RebindMask(F(), north), up_north, -up_north);
   // u = 1/2 looks forward: the turn from forward to right is u - 1/2.
-  const VF u = hn::Div(hn::Add(ToFloat(column), fx), Set(float(map.width)));
+  const VF u = (ToFloat(column) + fx) / float(map.width);
   VF sin_turn, cos_turn;
   SinCosTurn(u, sin_turn, cos_turn);
-  const V3 direction = {hn::Neg(hn::Mul(sine, sin_turn)), hn::Neg(hn::Mul(sine, cos_turn)), up};
+  const V3 direction = {-(sine * sin_turn), -(sine * cos_turn), up};
   Store3(WorldFromMap(map, direction), out.dir_x + to, out.dir_y + to, out.dir_z + to);
   Store3(radiance, out.r + to, out.g + to, out.b + to);
   Store(density, out.pdf + to);

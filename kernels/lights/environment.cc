@@ -29,8 +29,8 @@ HWY_INLINE VF WeighTexels(VU packed, float base) {
                   channel(hn::ShiftLeft<2 * kMantissaBits>(mantissa))};
   const V3 weights = {Set(kLuminance[0]), Set(kLuminance[1] * unit),
                       Set(kLuminance[2] * unit * unit)};
-  const VF luminance = hn::Mul(Dot(rgb, weights), PowerOf(packed));
-  return kAbove ? hn::Max(hn::Sub(luminance, Set(base)), hn::Zero(F())) : luminance;
+  const VF luminance = Dot(rgb, weights) * PowerOf(packed);
+  return kAbove ? hn::Max(luminance - base, hn::Zero(F())) : luminance;
 }
 HWY_INLINE VF WeighTexels(VU packed, float base) {
   return base != 0 ? WeighTexels<true>(packed, base) : WeighTexels<false>(packed, base);
@@ -68,11 +68,11 @@ HWY_INLINE TexelPick PickTexels(const LineRows& lines, std::uint32_t i, VU used,
       const MF inside = hn::RebindMask(F(), hn::Lt(SetU(k - 1), used));
       weight[k] = hn::IfThenElseZero(inside, weight[k]);
     }
-    end[k] = k == 1 ? weight[1] : hn::Add(end[k - 1], weight[k]);
+    end[k] = k == 1 ? weight[1] : end[k - 1] + weight[k];
   }
   const VF total = end[kHalfTexels];
   // The target stays below the end even after rounding, so that the texel found has a weight.
-  const VF target = hn::Min(hn::Mul(x, total), hn::Mul(total, below_one));
+  const VF target = hn::Min(x * total, total * below_one);
   TexelPick pick = {texel[1], hn::Zero(U()), weight[1], hn::Zero(F())};
   VF begin = hn::Zero(F());
   for (std::uint32_t k = 2; k <= kHalfTexels; ++k) {
@@ -83,7 +83,7 @@ HWY_INLINE TexelPick PickTexels(const LineRows& lines, std::uint32_t i, VU used,
     pick.weight = IfThen(behind, weight[k], pick.weight);
     begin = IfThen(behind, end[k - 1], begin);
   }
-  pick.x = hn::Min(hn::Div(hn::Sub(target, begin), pick.weight), below_one);
+  pick.x = hn::Min((target - begin) / pick.weight, below_one);
   return pick;
 }
 
@@ -110,8 +110,8 @@ HWY_INLINE void ReadLines(const TexelLine* texels, const RowArea* areas, const s
     const VF at = Load(x + i);
     const MF behind = hn::Ge(at, left);
     const VF start = hn::IfThenElseZero(behind, left);
-    const VF length = IfThen(behind, hn::Sub(Set(1.0f), left), left);
-    Store(hn::Div(hn::Sub(at, start), length), x + i);
+    const VF length = IfThen(behind, 1.0f - left, left);
+    Store((at - start) / length, x + i);
     Store(hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1)), read.half + i);
   }
   for (std::uint32_t i = 0; i < rows; ++i) {
@@ -140,20 +140,20 @@ void SampleLines(const EnvironmentView& map, const InversionView& inversion,
            });
     ReadLines(inversion.texels, map.row_area, down.item, line, rows, across.x, lines);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
-      const VU first = hn::Add(hn::Mul(Load(across.item + i), SetU(kLineTexels)),
-                               hn::Mul(Load(lines.half + i), SetU(kHalfTexels)));
-      const TexelPick pick = PickTexels<kAbove>(lines, i, hn::Sub(SetU(map.width), first),
-                                                inversion.base, Load(across.x + i));
+      const VU first =
+          Load(across.item + i) * SetU(kLineTexels) + Load(lines.half + i) * SetU(kHalfTexels);
+      const TexelPick pick =
+          PickTexels<kAbove>(lines, i, SetU(map.width) - first, inversion.base, Load(across.x + i));
       // Rows beyond the last are unspecified; the mask keeps the gathers inside the tables.
       const MU inside = RowsBelow(i, rows);
       const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
-      const VU column = hn::IfThenElseZero(inside, hn::Add(first, pick.texel));
+      const VU column = hn::IfThenElseZero(inside, first + pick.texel);
       const V3 radiance = inversion.texels == map.texels
                               ? UnpackRadiance(pick.packed, map.radiance_unit)
                               : FetchTexels(map, column, row);
       const LineHeaders header = LoadHeaders(lines, i);
       EmitTexels(map, column, row, header.area, pick.x, Load(down.x + i), radiance,
-                 hn::Mul(hn::Mul(header.density, pick.weight), Set(samples)), out, begin + i);
+                 header.density * pick.weight * samples, out, begin + i);
     }
   }
 }
@@ -170,28 +170,27 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
 
 // Interpolates the map between texel centres, in full precision.
 HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
-  const VF x = hn::Sub(hn::Mul(u, Set(float(map.width))), Set(0.5f));
-  const VF y = hn::Sub(hn::Mul(v, Set(float(map.height))), Set(0.5f));
+  const VF x = u * float(map.width) - 0.5f;
+  const VF y = v * float(map.height) - 0.5f;
   const VF x_floor = hn::Floor(x), y_floor = hn::Floor(y);
-  const VF fx = hn::Sub(x, x_floor), fy = hn::Sub(y, y_floor);
+  const VF fx = x - x_floor, fy = y - y_floor;
   const float last_x = float(map.width - 1), last_y = float(map.height - 1);
   // Columns wrap at the seam; the rows at the poles repeat.
-  const VF x_next = hn::Add(x_floor, Set(1.0f));
+  const VF x_next = x_floor + 1.0f;
   const VU left = ToUnsigned(IfThen(hn::Lt(x_floor, hn::Zero(F())), Set(last_x), x_floor));
   const VU right = ToUnsigned(IfThen(hn::Gt(x_next, Set(last_x)), hn::Zero(F()), x_next));
   const VU top = ToUnsigned(Clamp(y_floor, 0.0f, last_y));
-  const VU bottom = ToUnsigned(Clamp(hn::Add(y_floor, Set(1.0f)), 0.0f, last_y));
+  const VU bottom = ToUnsigned(Clamp(y_floor + 1.0f, 0.0f, last_y));
   const VU width = SetU(map.width);
   const auto texel = [&](VU column, VU row) HWY_ATTR {
-    const VU at = hn::Mul(hn::Add(hn::Mul(row, width), column), SetU(3));
-    return V3{Gather(map.rgb, at), Gather(map.rgb, hn::Add(at, SetU(1))),
-              Gather(map.rgb, hn::Add(at, SetU(2)))};
+    const VU at = (row * width + column) * SetU(3);
+    return V3{Gather(map.rgb, at), Gather(map.rgb, at + SetU(1)), Gather(map.rgb, at + SetU(2))};
   };
   const VF one = Set(1.0f);
   const auto across = [&](VU row) HWY_ATTR {
-    return Add(Scale(texel(left, row), hn::Sub(one, fx)), Scale(texel(right, row), fx));
+    return texel(left, row) * (one - fx) + texel(right, row) * fx;
   };
-  return Add(Scale(across(top), hn::Sub(one, fy)), Scale(across(bottom), fy));
+  return across(top) * (one - fy) + across(bottom) * fy;
 }
 
 // These are the positions of a chunk of directions on the map.
@@ -215,7 +214,7 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& densi
     MapPosition(map, dir, u, v);
     const VU column = CellOf(u, map.width), row = CellOf(v, map.height);
     Store(u, lookup.u + i), Store(v, lookup.v + i);
-    Store(hn::Add(hn::Mul(row, SetU(map.width)), column), lookup.texel + i);
+    Store(row * SetU(map.width) + column, lookup.texel + i);
     Store(WordOf(map, column, row), lookup.word + i);
   }
   for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(Words(map.texels) + lookup.word[i]);
@@ -233,12 +232,12 @@ HWY_INLINE VF DensityOf(const EnvironmentView& map, const TexelDensity& density,
     const std::uint32_t* const words = Words(inversion.texels);
     if (inversion.texels != map.texels) packed = Gather(words, word);
     const VU line = hn::And(word, SetU(~(kLineWords - 1)));
-    sum = hn::Mul(AsFloat(Gather(words, line)), WeighTexels(packed, inversion.base));
+    sum = AsFloat(Gather(words, line)) * WeighTexels(packed, inversion.base);
   } else if (density.table != nullptr) {
     sum = Gather(density.table, texel);
   }
-  sum = hn::Mul(sum, Set(samples));
-  return density.fixed == nullptr ? sum : hn::Add(sum, Gather(density.fixed, texel));
+  sum = sum * samples;
+  return density.fixed == nullptr ? sum : sum + Gather(density.fixed, texel);
 }
 
 void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, std::uint32_t n,
@@ -299,7 +298,7 @@ void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms
     const V3 local = CosineHemisphere(Load(uniforms.u + i), Load(uniforms.v + i));
     const Frame frame = MakeFrame(Load3(surfaces.ns_x + i, surfaces.ns_y + i, surfaces.ns_z + i));
     Store3(ToWorld(frame, local), out.dir_x + i, out.dir_y + i, out.dir_z + i);
-    Store(hn::Mul(local.z, Set(kInvPi * samples)), out.pdf + i);
+    Store(local.z * (kInvPi * samples), out.pdf + i);
   }
 }
 
@@ -310,7 +309,7 @@ void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, float sample
     const V3 ns = {Gather(surfaces.ns_x, from), Gather(surfaces.ns_y, from),
                    Gather(surfaces.ns_z, from)};
     const VF cosine = Dot(ns, Load3(rows.dir_x + i, rows.dir_y + i, rows.dir_z + i));
-    Store(hn::Mul(hn::Max(cosine, hn::Zero(F())), Set(kInvPi * samples)), rows.light_pdf + i);
+    Store(hn::Max(cosine, hn::Zero(F())) * (kInvPi * samples), rows.light_pdf + i);
   }
 }
 

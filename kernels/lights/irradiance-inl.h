@@ -22,29 +22,27 @@ class IrradianceLanes {
     const float* r = view.map_from_world;
     normal_ = {Dot(Set3(r), world_normal), Dot(Set3(r + 3), world_normal),
                Dot(Set3(r + 6), world_normal)};
-    const VF sum = hn::Add(hn::Add(hn::Abs(normal_.x), hn::Abs(normal_.y)), hn::Abs(normal_.z));
-    const VF scale = hn::Div(Set(1.0f), hn::Max(sum, Set(1e-30f)));
-    V3 p = Scale(normal_, scale);
+    const VF sum = hn::Abs(normal_.x) + hn::Abs(normal_.y) + hn::Abs(normal_.z);
+    const VF scale = 1.0f / hn::Max(sum, Set(1e-30f));
+    V3 p = normal_ * scale;
     Fold(hn::Lt(p.z, hn::Zero(F())), p);
     constexpr float kHalf = 0.5f * (kIrradianceNodes - 1);
     const VF column = NodeOf(p.x), row = NodeOf(p.y);
-    const VU node = hn::Add(hn::Mul(ToUnsigned(row), SetU(kIrradianceNodes)), ToUnsigned(column));
+    const VU node = ToUnsigned(row) * SetU(kIrradianceNodes) + ToUnsigned(column);
     const V3 size = {hn::Abs(normal_.x), hn::Abs(normal_.y), hn::Abs(normal_.z)};
     const VF largest = hn::Max(hn::Max(size.x, size.y), size.z);
-    const MF on_axis = hn::Lt(hn::Sub(sum, largest), Set(kOnAxis));
+    const MF on_axis = hn::Lt(sum - largest, Set(kOnAxis));
     const VU axis = IfThen(hn::RebindMask(U(), hn::Eq(size.x, largest)), Axis(normal_.x, 0),
                            IfThen(hn::RebindMask(U(), hn::Eq(size.y, largest)), Axis(normal_.y, 2),
                                   Axis(normal_.z, 4)));
     node_ = hn::IfThenElseZero(rows, IfThen(hn::RebindMask(U(), on_axis), axis, node));
     horizon_ = IfThen(on_axis, hn::Zero(F()), Set(kHorizonSine));
 
-    V3 q = {hn::Sub(hn::Mul(column, Set(1 / kHalf)), Set(1.0f)),
-            hn::Sub(hn::Mul(row, Set(1 / kHalf)), Set(1.0f)), hn::Zero(F())};
-    q.z = hn::Sub(Set(1.0f), hn::Add(hn::Abs(q.x), hn::Abs(q.y)));
+    V3 q = {column * (1 / kHalf) - 1.0f, row * (1 / kHalf) - 1.0f, hn::Zero(F())};
+    q.z = 1.0f - (hn::Abs(q.x) + hn::Abs(q.y));
     Fold(hn::Lt(q.z, hn::Zero(F())), q);
     const V3 tabulated = Normalize(q);
-    tabulated_ = Add(Add(Scale(Set3(r), tabulated.x), Scale(Set3(r + 3), tabulated.y)),
-                     Scale(Set3(r + 6), tabulated.z));
+    tabulated_ = Set3(r) * tabulated.x + Set3(r + 3) * tabulated.y + Set3(r + 6) * tabulated.z;
   }
 
   // Returns the lanes where the integral counts the light from direction `world`.
@@ -53,11 +51,10 @@ class IrradianceLanes {
   // Returns the integral of radiance times the cosine at the normal over the directions that count.
   HWY_INLINE V3 Integral() const {
     static_assert(kIrradianceWords == 9);
-    const VU first = hn::Add(hn::ShiftLeft<3>(node_), node_);
+    const VU first = hn::ShiftLeft<3>(node_) + node_;
     const auto channel = [&](std::uint32_t word) HWY_ATTR {
-      const V3 vector = {Gather(nodes_, hn::Add(first, SetU(word))),
-                         Gather(nodes_, hn::Add(first, SetU(word + 1))),
-                         Gather(nodes_, hn::Add(first, SetU(word + 2)))};
+      const V3 vector = {Gather(nodes_, first + SetU(word)), Gather(nodes_, first + SetU(word + 1)),
+                         Gather(nodes_, first + SetU(word + 2))};
       return Dot(vector, normal_);
     };
     return {channel(0), channel(3), channel(6)};
@@ -67,8 +64,8 @@ class IrradianceLanes {
   // Folds points of the lower half of the octahedron to the corners of the square, and back.
   static HWY_INLINE void Fold(MF below, V3& p) {
     const VF one = Set(1.0f);
-    const VF x = hn::CopySign(hn::Sub(one, hn::Abs(p.y)), p.x);
-    const VF y = hn::CopySign(hn::Sub(one, hn::Abs(p.x)), p.y);
+    const VF x = hn::CopySign(one - hn::Abs(p.y), p.x);
+    const VF y = hn::CopySign(one - hn::Abs(p.x), p.y);
     p.x = IfThen(below, x, p.x), p.y = IfThen(below, y, p.y);
   }
   // Returns the entry of an axis, or of the opposite one, which follows it.
@@ -79,8 +76,8 @@ class IrradianceLanes {
   }
   static HWY_INLINE VF NodeOf(VF coordinate) {
     constexpr float kHalf = 0.5f * (kIrradianceNodes - 1);
-    const VF position = hn::Mul(hn::Add(coordinate, Set(1.0f)), Set(kHalf));
-    return Clamp(hn::Floor(hn::Add(position, Set(0.5f))), 0.0f, float(kIrradianceNodes - 1));
+    const VF position = (coordinate + 1.0f) * kHalf;
+    return Clamp(hn::Floor(position + 0.5f), 0.0f, float(kIrradianceNodes - 1));
   }
 
   const float* nodes_;

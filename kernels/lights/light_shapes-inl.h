@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 // Returns 3 t^2 - 2 t^3 of t, clamped to [0, 1].
 HWY_INLINE VF SmoothStep(VF t) {
   const VF inside = Clamp(t, 0.0f, 1.0f);
-  return hn::Mul(hn::Mul(inside, inside), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), inside)));
+  return inside * inside * (3.0f - 2.0f * inside);
 }
 
 // Finds one of `count` intervals per lane: that which holds `target`. Their bounds, which begin
@@ -27,19 +27,17 @@ struct Interval {
   HWY_INLINE Interval(const std::uint32_t* bounds, VU first, VU count, VU target) {
     index = SetU(0);
     for (VU length = count; !hn::AllFalse(U(), hn::Gt(length, SetU(1)));) {
-      const VU half = hn::ShiftRight<1>(length), middle = hn::Add(index, half);
-      index = IfThen(hn::Gt(Gather(bounds, hn::Add(first, middle)), target), index, middle);
-      length = hn::Sub(length, half);
+      const VU half = hn::ShiftRight<1>(length), middle = index + half;
+      index = IfThen(hn::Gt(Gather(bounds, first + middle), target), index, middle);
+      length = length - half;
     }
-    const VU at = hn::Add(first, index);
+    const VU at = first + index;
     low = Gather(bounds, at);
-    width = hn::Sub(Gather(bounds, hn::Add(at, SetU(1))), low);
+    width = Gather(bounds, at + SetU(1)) - low;
   }
   // Returns where in the interval a uniform is that was taken in the middle of its unit.
-  HWY_INLINE VF Rest(VU target) const {
-    return hn::Div(hn::Add(ToFloat(hn::Sub(target, low)), Set(0.5f)), ToFloat(width));
-  }
-  HWY_INLINE VF probability() const { return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits)); }
+  HWY_INLINE VF Rest(VU target) const { return (ToFloat(target - low) + 0.5f) / ToFloat(width); }
+  HWY_INLINE VF probability() const { return ToFloat(width) * (1.0f / kChoiceUnits); }
   VU index, low, width;
 };
 
@@ -49,7 +47,7 @@ struct ShapeLanes {
       : view(shapes),
         words(reinterpret_cast<const std::uint32_t*>(shapes.shapes)),
         at(hn::ShiftLeft<kLogShapeWords>(shape)) {}
-  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, at + SetU(field)); }
   HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
   HWY_INLINE MF Is(LightMapping mapping) const {
     return hn::RebindMask(F(), hn::Eq(Word(0), SetU(std::uint32_t(mapping))));
@@ -87,13 +85,13 @@ HWY_INLINE void FinishPlace(const ShapeLanes& shape, const V3& d, VF stretch, Sh
   const VF one = Set(1.0f), edge = shape.extent(0);
   const MF cone = shape.Is(LightMapping::kCone), plane = shape.Is(LightMapping::kPlane);
   const VF z = hn::Max(d.z, Set(1e-6f));
-  const VF area = hn::Mul(hn::Mul(Set(4.0f), edge), shape.extent(1));
-  const VF on_plane = hn::Div(one, hn::Mul(area, hn::Mul(z, hn::Mul(z, z))));
-  const VF in_cone = hn::Div(Set(0.5f * kInvPi), hn::Max(hn::Sub(one, edge), Set(1e-7f)));
+  const VF area = 4.0f * edge * shape.extent(1);
+  const VF on_plane = one / (area * (z * (z * z)));
+  const VF in_cone = (0.5f * kInvPi) / hn::Max(one - edge, Set(1e-7f));
   VF density = Set(0.25f * kInvPi);
   density = IfThen(cone, in_cone, IfThen(plane, on_plane, density));
-  place.square_density = hn::Mul(density, stretch);
-  const VF falloff = SmoothStep(hn::Mul(hn::Sub(d.z, edge), shape.extent(1)));
+  place.square_density = density * stretch;
+  const VF falloff = SmoothStep((d.z - edge) * shape.extent(1));
   place.falloff = IfThen(cone, falloff, one);
 }
 
@@ -101,14 +99,14 @@ HWY_INLINE void FinishPlace(const ShapeLanes& shape, const V3& d, VF stretch, Sh
 HWY_INLINE ShapePlace PlaceOf(const ShapeLanes& shape, const V3& direction) {
   const VF one = Set(1.0f), half = Set(0.5f), zero = hn::Zero(F());
   const V3 to = shape.Transform(SKYWAVE_WORD(LightShape, light_from_world), Normalize(direction));
-  const VF inverse = hn::Div(one, hn::Sqrt(Dot(to, to)));
-  const V3 d = Scale(to, inverse);
+  const VF inverse = one / hn::Sqrt(Dot(to, to));
+  const V3 d = to * inverse;
   const MF cone = shape.Is(LightMapping::kCone), plane = shape.Is(LightMapping::kPlane);
   VF a, b;
   PlaceOnEqualAreaSquare(d, a, b);
   const VF z = hn::Max(d.z, Set(1e-6f));
-  a = IfThen(plane, hn::Div(d.x, hn::Mul(z, shape.extent(0))), a);
-  b = IfThen(plane, hn::Neg(hn::Div(d.y, hn::Mul(z, shape.extent(1)))), b);
+  a = IfThen(plane, d.x / (z * shape.extent(0)), a);
+  b = IfThen(plane, -(d.y / (z * shape.extent(1))), b);
   // All of a cone is one texel.
   a = IfThen(cone, zero, a), b = IfThen(cone, zero, b);
   const MF beyond = hn::Gt(hn::Max(hn::Abs(a), hn::Abs(b)), one);
@@ -117,45 +115,43 @@ HWY_INLINE ShapePlace PlaceOf(const ShapeLanes& shape, const V3& direction) {
   ShapePlace place;
   place.inside = hn::Not(hn::Or(hn::And(plane, beyond), hn::Or(behind, dark)));
   const auto texel = [&](VF at, VU count) HWY_ATTR {
-    const VF fraction = Clamp(hn::Mul(hn::Add(at, one), half), 0.0f, 1.0f);
-    return hn::Min(ToUnsigned(hn::Mul(fraction, ToFloat(count))), hn::Sub(count, SetU(1)));
+    const VF fraction = Clamp((at + one) * half, 0.0f, 1.0f);
+    return hn::Min(ToUnsigned(fraction * ToFloat(count)), count - SetU(1));
   };
   place.column = texel(a, shape.width());
   place.row = texel(b, shape.height());
-  FinishPlace(shape, d, hn::Mul(inverse, hn::Mul(inverse, inverse)), place);
+  FinishPlace(shape, d, inverse * (inverse * inverse), place);
   return place;
 }
 
 // Returns the factors of the light's emission at a place.
 HWY_INLINE V3 ShapeValue(const ShapeLanes& shape, const ShapePlace& place) {
-  const VU texel = hn::Add(hn::Mul(place.row, shape.width()), place.column);
-  const VU at = hn::Add(shape.Word(SKYWAVE_WORD(LightShape, first_texel)),
-                        hn::Add(texel, hn::Add(texel, texel)));
+  const VU texel = place.row * shape.width() + place.column;
+  const VU at = shape.Word(SKYWAVE_WORD(LightShape, first_texel)) + (texel + (texel + texel));
   const auto channel = [&](std::uint32_t c)
-                           HWY_ATTR { return Gather(shape.view.texels, hn::Add(at, SetU(c))); };
+                           HWY_ATTR { return Gather(shape.view.texels, at + SetU(c)); };
   const VF share = hn::IfThenElseZero(place.inside, place.falloff);
-  return Scale(V3{channel(0), channel(1), channel(2)}, share);
+  return V3{channel(0), channel(1), channel(2)} * share;
 }
 
 // Returns where the bounds of the columns of a row begin.
 HWY_INLINE VU FirstColumnChoice(const ShapeLanes& shape, VU row) {
   const VU one = SetU(1);
-  return hn::Add(hn::Add(shape.first_choice(), hn::Add(shape.height(), one)),
-                 hn::Mul(row, hn::Add(shape.width(), one)));
+  return shape.first_choice() + (shape.height() + one) + row * (shape.width() + one);
 }
 
 // Returns the density with which light paths draw the direction of a place, in the world [1/sr].
 HWY_INLINE VF ShapeDensity(const ShapeLanes& shape, const ShapePlace& place) {
   const std::uint32_t* bounds = shape.view.choices;
   const auto share = [&](VU first, VU index) HWY_ATTR {
-    const VU at = hn::Add(first, index);
-    const VU width = hn::Sub(Gather(bounds, hn::Add(at, SetU(1))), Gather(bounds, at));
-    return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits));
+    const VU at = first + index;
+    const VU width = Gather(bounds, at + SetU(1)) - Gather(bounds, at);
+    return ToFloat(width) * (1.0f / kChoiceUnits);
   };
-  const VF texel = hn::Mul(share(shape.first_choice(), place.row),
-                           share(FirstColumnChoice(shape, place.row), place.column));
-  const VF texels = hn::Mul(ToFloat(shape.width()), ToFloat(shape.height()));
-  const VF density = hn::Mul(hn::Mul(texel, texels), place.square_density);
+  const VF texel = share(shape.first_choice(), place.row) *
+                   share(FirstColumnChoice(shape, place.row), place.column);
+  const VF texels = ToFloat(shape.width()) * ToFloat(shape.height());
+  const VF density = texel * texels * place.square_density;
   return hn::IfThenElseZero(place.inside, density);
 }
 
@@ -168,7 +164,7 @@ struct DrawnDirection {
 
 HWY_INLINE DrawnDirection DrawDirection(const ShapeLanes& shape, VF u, VF v) {
   const VF one = Set(1.0f);
-  const auto unit = [](VF x) HWY_ATTR { return ToUnsigned(hn::Mul(x, Set(float(kChoiceUnits)))); };
+  const auto unit = [](VF x) HWY_ATTR { return ToUnsigned(x * float(kChoiceUnits)); };
   const VU along = unit(u), down = unit(v);
   const VU width = shape.width(), height = shape.height();
   ShapePlace place;
@@ -177,24 +173,21 @@ HWY_INLINE DrawnDirection DrawDirection(const ShapeLanes& shape, VF u, VF v) {
   const Interval column(shape.view.choices, FirstColumnChoice(shape, place.row), width, along);
   place.column = column.index;
   place.inside = hn::RebindMask(F(), hn::Gt(width, SetU(0)));
-  const VF s = hn::Div(hn::Add(ToFloat(place.column), column.Rest(along)), ToFloat(width));
-  const VF t = hn::Div(hn::Add(ToFloat(place.row), row.Rest(down)), ToFloat(height));
+  const VF s = (ToFloat(place.column) + column.Rest(along)) / ToFloat(width);
+  const VF t = (ToFloat(place.row) + row.Rest(down)) / ToFloat(height);
 
   const MF cone = shape.Is(LightMapping::kCone), plane = shape.Is(LightMapping::kPlane);
-  const VF a = hn::Sub(hn::Add(s, s), one), b = hn::Sub(hn::Add(t, t), one);
+  const VF a = s + s - one, b = t + t - one;
   V3 d = DirectionOnEqualAreaSquare(a, b);
-  d = IfThen(plane,
-             Normalize({hn::Mul(a, shape.extent(0)), hn::Neg(hn::Mul(b, shape.extent(1))), one}),
-             d);
-  d = IfThen(cone, InCone(s, t, hn::Sub(one, shape.extent(0))), d);
+  d = IfThen(plane, Normalize({a * shape.extent(0), -(b * shape.extent(1)), one}), d);
+  d = IfThen(cone, InCone(s, t, one - shape.extent(0)), d);
   // The way to the world has the inverse stretch.
   const V3 to = shape.Transform(SKYWAVE_WORD(LightShape, world_from_light), d);
   const VF length = hn::Sqrt(Dot(to, to));
-  FinishPlace(shape, d, hn::Mul(length, hn::Mul(length, length)), place);
-  const VF texel = hn::Mul(row.probability(), column.probability());
-  const VF texels = hn::Mul(ToFloat(width), ToFloat(height));
-  return {Scale(to, hn::Div(one, length)), hn::Mul(hn::Mul(texel, texels), place.square_density),
-          ShapeValue(shape, place)};
+  FinishPlace(shape, d, length * (length * length), place);
+  const VF texel = row.probability() * column.probability();
+  const VF texels = ToFloat(width) * ToFloat(height);
+  return {to * (one / length), texel * texels * place.square_density, ShapeValue(shape, place)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 struct LightLanes {
   HWY_INLINE LightLanes(const LocalLightView& view, VU light)
       : words(reinterpret_cast<const std::uint32_t*>(view.lights)), at(hn::ShiftLeft<4>(light)) {}
-  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, at + SetU(field)); }
   HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
   HWY_INLINE V3 Vector(std::uint32_t field) const {
     return {Number(field), Number(field + 1), Number(field + 2)};
@@ -45,7 +45,7 @@ HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU targe
   VU light = SetU(0);
   for (std::uint32_t length = count; length > 1;) {
     const std::uint32_t half = length / 2;
-    const VU middle = hn::Add(light, SetU(half));
+    const VU middle = light + SetU(half);
     light = IfThen(hn::Gt(Gather(choice.first, middle), target), light, middle);
     length -= half;
   }
@@ -54,16 +54,15 @@ HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU targe
 
 // Returns the probability that a light is picked.
 HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
-  const VU width =
-      hn::Sub(Gather(choice.first, hn::Add(light, SetU(1))), Gather(choice.first, light));
-  return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits));
+  const VU width = Gather(choice.first, light + SetU(1)) - Gather(choice.first, light);
+  return ToFloat(width) * (1.0f / kChoiceUnits);
 }
 
 // Uniforms u of rows i and on, below n, pick these lights.
 struct LightPick {
   HWY_INLINE LightPick(const LocalLightView& view, const LightChoice& choice, const float* u,
                        std::uint32_t i, std::uint32_t n) {
-    VU target = ToUnsigned(hn::Mul(Load(u + i), Set(float(kChoiceUnits))));
+    VU target = ToUnsigned(Load(u + i) * float(kChoiceUnits));
     const VU end = SetU(choice.first[view.count]);
     const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
     picked = hn::RebindMask(F(), picks);
@@ -72,8 +71,8 @@ struct LightPick {
     light = FindLight(choice, view.count, target);
     probability = Probability(choice, light);
     // The uniform is taken in the middle of its 2^-24, so the rest is in (0, 1) and uniform there.
-    const VF left = hn::Add(ToFloat(hn::Sub(target, Gather(choice.first, light))), Set(0.5f));
-    rest = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
+    const VF left = ToFloat(target - Gather(choice.first, light)) + 0.5f;
+    rest = left / (probability * float(kChoiceUnits));
   }
   HWY_INLINE bool none() const { return hn::AllFalse(F(), picked); }
 
@@ -87,12 +86,12 @@ struct LightPick {
 struct TrianglePoint {
   VF along_axis, along_edge;
   HWY_INLINE V3 From(const V3& axis, const V3& edge) const {
-    return Add(Scale(axis, along_axis), Scale(edge, along_edge));
+    return axis * along_axis + edge * along_edge;
   }
 };
 HWY_INLINE TrianglePoint PointOf(VF x, VF y) {
   const VF root = hn::Sqrt(x);
-  return {hn::Sub(Set(1.0f), root), hn::Mul(y, root)};
+  return {1.0f - root, y * root};
 }
 
 HWY_INLINE VF LargestCoordinate(const V3& p) {
@@ -102,7 +101,7 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
 // Returns 1 inside the inner cone, 0 outside the outer one, and between them 3 t^2 - 2 t^3 of the
 // cosine.
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
-  return SmoothStep(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)));
+  return SmoothStep((cosine - light.Number(12)) * light.Number(13));
 }
 
 // These are the shapes of the lights in `lanes`; other lanes stand for the first one. The view has
@@ -122,13 +121,13 @@ HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& lig
   const VU named = hn::IfThenElseZero(lanes, Gather(view.emission_texture, index));
   const MU textured = hn::Ne(named, hn::Zero(U()));
   if (hn::AllFalse(U(), textured)) return emission;
-  const TextureLanes record(view.textures, hn::IfThenElseZero(textured, hn::Sub(named, SetU(1))));
+  const TextureLanes record(view.textures, hn::IfThenElseZero(textured, named - SetU(1)));
   const VU triangle = hn::IfThenElseZero(textured, light.triangle());
   const MF inside = hn::RebindMask(F(), textured);
   const V3 seen =
       LookUpLevel(view.textures, record, record.Word(0), triangle, hn::IfThenElseZero(inside, u),
                   hn::IfThenElseZero(inside, v), UnpackColor);
-  return IfThen(inside, Mul(emission, seen), emission);
+  return IfThen(inside, emission * seen, emission);
 }
 
 }  // namespace HWY_NAMESPACE

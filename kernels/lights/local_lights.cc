@@ -19,8 +19,8 @@ constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use o
 // that distance and with that cosine at the triangle [1/sr]. It is bounded, because infinity would
 // mean a directional light.
 HWY_INLINE VF SolidAngleDensity(VF probability, VF area, VF distance2, VF cosine) {
-  const VF seen = hn::Mul(area, hn::Max(cosine, Set(1e-20f)));
-  return hn::Min(hn::Div(hn::Mul(probability, distance2), seen), Set(1e18f));
+  const VF seen = area * hn::Max(cosine, Set(1e-20f));
+  return hn::Min(probability * distance2 / seen, Set(1e18f));
 }
 
 // These are the light samples of one vector of surfaces, in the terms of LightColumns.
@@ -38,41 +38,41 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
 
   const TrianglePoint on = PointOf(x, y);
   const V3 inside = on.From(axis, edge);
-  const V3 point = Add(light.position(), IfThen(triangle, inside, V3{zero, zero, zero}));
-  const V3 to_light = Sub(point, org);
+  const V3 point = light.position() + IfThen(triangle, inside, V3{zero, zero, zero});
+  const V3 to_light = point - org;
   const VF distance2 = hn::Max(Dot(to_light, to_light), Set(1e-30f));
   const VF distance = hn::Sqrt(distance2);
   // A light at the point itself has no direction; any will do.
   const MF apart = hn::Gt(distance2, Set(1e-30f));
-  V3 dir = IfThen(apart, Scale(to_light, hn::Div(one, distance)), V3{zero, zero, one});
+  V3 dir = IfThen(apart, to_light * (one / distance), V3{zero, zero, one});
 
   const V3 cross = Cross(axis, edge);
-  const VF towards = hn::Div(hn::Neg(Dot(cross, dir)), hn::Sqrt(Dot(cross, cross)));
+  const VF towards = -Dot(cross, dir) / hn::Sqrt(Dot(cross, cross));
   const VF cosine = IfThen(light.two_sided(), hn::Abs(towards), towards);
   const VF density = SolidAngleDensity(probability, light.area(), distance2, cosine);
   const MF shines = hn::And(triangle, hn::And(apart, hn::Gt(cosine, zero)));
   const VF pdf = IfThen(triangle, hn::IfThenElseZero(shines, density), Set(kPunctual));
 
-  const VF intensity_worth = hn::Div(one, hn::Mul(probability, distance2));
+  const VF intensity_worth = one / (probability * distance2);
   VF worth = IfThen(triangle, one, intensity_worth);
   const MF spot = light.Is(LocalLightKind::kSpot);
   if (!hn::AllFalse(F(), spot)) {
-    const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
-    worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
+    const VF falloff = SpotFalloff(light, -Dot(axis, dir));
+    worth = IfThen(spot, intensity_worth * falloff, worth);
   }
   // The slack is the error of a hit's position, as surfaces are lifted by
   // (kernels/surface/surface.cc), and how much nearer an origin can come that is moved through its
   // surface.
-  const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
-  const VF slack = hn::Add(known, hn::Add(lift, lift));
-  VF reach = hn::Sub(distance, slack);
+  const VF known = (LargestCoordinate(point) + distance) * (0x1p-16f);
+  const VF slack = known + (lift + lift);
+  VF reach = distance - slack;
   const MF distant = light.Is(LocalLightKind::kDistant);
   if (!hn::AllFalse(F(), distant)) {
     dir = IfThen(distant, axis, dir);
-    worth = IfThen(distant, hn::Div(one, probability), worth);
+    worth = IfThen(distant, one / probability, worth);
     reach = IfThen(distant, infinity, reach);
   }
-  return {dir, Scale(light.emission(), worth), pdf, reach, on.along_axis, on.along_edge};
+  return {dir, light.emission() * worth, pdf, reach, on.along_axis, on.along_edge};
 }
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
@@ -89,7 +89,7 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     }
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
     const LightLanes light(view, pick.light);
-    DrawnLights drawn = DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest,
+    DrawnLights drawn = DrawLights(light, pick.probability * samples, pick.rest,
                                    Load(uniforms.v + i), org, hn::Abs(Load(surfaces.lift + i)));
     const MF picked = pick.picked;
     if (view.emission_texture != nullptr) {
@@ -98,8 +98,8 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     }
     if (!view.shapes.empty()) {
       const ShapedLights shaped(view, light, picked);
-      const V3 seen = ShapeValue(shaped.shape, PlaceOf(shaped.shape, Neg(drawn.dir)));
-      drawn.radiance = IfThen(shaped.lanes, Mul(drawn.radiance, seen), drawn.radiance);
+      const V3 seen = ShapeValue(shaped.shape, PlaceOf(shaped.shape, -drawn.dir));
+      drawn.radiance = IfThen(shaped.lanes, drawn.radiance * seen, drawn.radiance);
     }
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
@@ -142,14 +142,14 @@ std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& c
     const LightLanes light(view, index);
     const V3 ng = Load3(hits.ng_x + i, hits.ng_y + i, hits.ng_z + i);
     const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
-    const VF towards = hn::Neg(hn::Div(Dot(ng, dir), hn::Sqrt(Dot(ng, ng))));
+    const VF towards = -(Dot(ng, dir) / hn::Sqrt(Dot(ng, ng)));
     const VF cosine = IfThen(light.two_sided(), hn::Abs(towards), towards);
     const MF shines = hn::Gt(cosine, hn::Zero(F()));
     const RowCompressor rows(hn::And(emits, hn::RebindMask(U(), shines)));
     if (rows.count() == 0) continue;
 
     const VF t = Load(rays.t_far + i);
-    const VF probability = hn::Mul(Probability(choice, index), Set(samples));
+    const VF probability = Probability(choice, index) * samples;
     V3 radiance = light.emission();
     if (view.emission_texture != nullptr) {
       radiance =
@@ -167,11 +167,11 @@ std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& c
     rows.Append(radiance.x, emitter_hits.radiance_r + to);
     rows.Append(radiance.y, emitter_hits.radiance_g + to);
     rows.Append(radiance.z, emitter_hits.radiance_b + to);
-    rows.Append(SolidAngleDensity(probability, light.area(), hn::Mul(t, t), cosine),
+    rows.Append(SolidAngleDensity(probability, light.area(), t * t, cosine),
                 emitter_hits.light_pdf + to);
     if (arrival != nullptr) {
       const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
-      rows.Append(hn::Div(cosine, hn::Mul(sides, hn::Mul(t, t))), arrival + to);
+      rows.Append(cosine / (sides * (t * t)), arrival + to);
     }
     to += rows.count();
   }

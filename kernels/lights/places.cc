@@ -19,7 +19,7 @@ HWY_INLINE VU RootOf(const V3& normal) {
   const VU axis = IfThen(hn::RebindMask(U(), along_x), SetU(0),
                          IfThen(hn::RebindMask(U(), along_y), SetU(2), SetU(4)));
   const VU negative = hn::IfThenElseZero(hn::RebindMask(U(), hn::Lt(part, zero)), SetU(1));
-  return hn::Add(axis, negative);
+  return axis + negative;
 }
 
 void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns& s, float* place) {
@@ -28,7 +28,7 @@ void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const MF used = hn::RebindMask(F(), RowsBelow(i, n));
     const auto step = [&](const float* org, float low) HWY_ATTR {
-      const VF steps = hn::Mul(hn::Sub(Load(org + i), Set(low)), Set(tree.steps));
+      const VF steps = (Load(org + i) - low) * tree.steps;
       const VF inside = hn::Min(hn::Max(steps, zero), last);
       return ToUnsigned(hn::IfThenElseZero(used, inside));
     };
@@ -43,11 +43,11 @@ void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns
       const auto child = [&](VU steps, std::uint32_t number) HWY_ATTR {
         return hn::IfThenElseZero(hn::Ne(hn::And(steps, bit), hn::Zero(U())), SetU(number));
       };
-      const VU index = hn::Add(node, hn::Add(child(x, 1), hn::Add(child(y, 2), child(z, 4))));
+      const VU index = node + (child(x, 1) + (child(y, 2) + child(z, 4)));
       node = IfThen(inner, Gather(tree.nodes, hn::IfThenElseZero(inner, index)), node);
       bit = hn::ShiftRight<1>(bit);
     }
-    Store(ToFloat(hn::And(node, hn::Sub(leaf, one))), place + i);
+    Store(ToFloat(hn::And(node, leaf - one)), place + i);
   }
 }
 

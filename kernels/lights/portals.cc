@@ -26,7 +26,7 @@ HWY_INLINE PortalLanes FetchPortals(const PortalsView& view, VU portal) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(view.portals);
   const VU at = hn::ShiftLeft<kLogPortalWords>(portal);
   const auto word = [&](std::size_t k)
-                        HWY_ATTR { return Gather(words, hn::Add(at, SetU(std::uint32_t(k)))); };
+                        HWY_ATTR { return Gather(words, at + SetU(std::uint32_t(k))); };
   const auto vector = [&](std::size_t k) HWY_ATTR {
     return V3{AsFloat(word(k)), AsFloat(word(k + 1)), AsFloat(word(k + 2))};
   };
@@ -41,7 +41,7 @@ HWY_INLINE PortalLanes FetchPortals(const PortalsView& view, VU portal) {
 }
 
 // Returns the point of the surface itself, wherever its origin for rays has been put.
-HWY_INLINE V3 PointOf(const V3& org, const V3& ng, VF lift) { return Sub(org, Scale(ng, lift)); }
+HWY_INLINE V3 PointOf(const V3& org, const V3& ng, VF lift) { return org - ng * lift; }
 HWY_INLINE V3 PointOf(const SurfaceColumns& s, std::uint32_t i) {
   return PointOf(Load3(s.org_x + i, s.org_y + i, s.org_z + i),
                  Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load(s.lift + i));
@@ -54,14 +54,14 @@ HWY_INLINE V3 PointOf(const SurfaceColumns& s, VU row) {
 
 // Returns the corner of the portal as seen from a point, in the frame of the portal.
 HWY_INLINE V3 CornerFrom(const PortalLanes& portal, const V3& point) {
-  const V3 to = Sub(portal.corner, point);
+  const V3 to = portal.corner - point;
   return {Dot(portal.x, to), Dot(portal.y, to), Dot(portal.z, to)};
 }
 
 // Returns the place of a direction on one axis of the rectified map [texels]; `ahead` is positive.
 HWY_INLINE VF PlaceOf(const PortalsView& view, VF across, VF ahead) {
-  const VF half_turns = hn::Add(Atan2Turn(across, ahead), Set(0.25f));
-  return Clamp(hn::Mul(half_turns, Set(2.0f * float(view.texels))), 0.0f, float(view.texels));
+  const VF half_turns = Atan2Turn(across, ahead) + 0.25f;
+  return Clamp(half_turns * (2.0f * float(view.texels)), 0.0f, float(view.texels));
 }
 HWY_INLINE VU TexelAt(const PortalsView& view, VF place) {
   return hn::Min(ToUnsigned(place), SetU(view.texels - 1));
@@ -73,9 +73,9 @@ HWY_INLINE VU TexelAt(const PortalsView& view, VF place) {
 struct Range {
   HWY_INLINE Range(const PortalsView& view, const PortalLanes& portal, const V3& corner)
       : left(TexelAt(view, PlaceOf(view, corner.x, corner.z))),
-        right(TexelAt(view, PlaceOf(view, hn::Add(corner.x, portal.size_x), corner.z))),
+        right(TexelAt(view, PlaceOf(view, corner.x + portal.size_x, corner.z))),
         top(TexelAt(view, PlaceOf(view, corner.y, corner.z))),
-        bottom(TexelAt(view, PlaceOf(view, hn::Add(corner.y, portal.size_y), corner.z))),
+        bottom(TexelAt(view, PlaceOf(view, corner.y + portal.size_y, corner.z))),
         open(hn::Gt(corner.z, hn::Zero(F()))) {}
   // Selects the points that see a texel.
   HWY_INLINE MF Holds(VU column, VU row) const {
@@ -98,21 +98,21 @@ HWY_INLINE Found FindTexel(VU first, VU last, VF target, const Before& before) {
   const VU one = SetU(1);
   Found found = {first, hn::Zero(F())};
   while (!hn::AllTrue(U(), hn::Eq(found.texel, last))) {
-    const VU middle = hn::ShiftRight<1>(hn::Add(hn::Add(found.texel, last), one));
+    const VU middle = hn::ShiftRight<1>(found.texel + last + one);
     const MU done = hn::Eq(found.texel, last);
     const VF begin = before(middle);
     const MU moves = hn::AndNot(done, hn::RebindMask(U(), hn::Ge(target, begin)));
     found.texel = IfThen(moves, middle, found.texel);
     found.begin = IfThen(hn::RebindMask(F(), moves), begin, found.begin);
-    last = IfThen(hn::Or(done, moves), last, hn::Sub(middle, one));
+    last = IfThen(hn::Or(done, moves), last, middle - one);
   }
   return found;
 }
 // Returns the place in the texel found that has `target` of the energy before it; `energy` is that
 // of the texel.
 HWY_INLINE VF PlaceIn(const Found& found, VF target, VF energy) {
-  const VF part = hn::Div(hn::Sub(target, found.begin), energy);
-  return hn::Add(ToFloat(found.texel), hn::Min(part, Set(kBelowOne)));
+  const VF part = (target - found.begin) / energy;
+  return ToFloat(found.texel) + hn::Min(part, Set(kBelowOne));
 }
 
 // The energy of such a range. Differences of sums are those of whole numbers, so nothing is lost
@@ -122,10 +122,10 @@ class Window {
   HWY_INLINE Window(const PortalsView& view, const PortalLanes& portal, const Range& range)
       : view_(view), range_(range), sums_(portal.sums) {
     const VU stride = SetU(view.texels + 1), one = SetU(1);
-    top_ = hn::Add(sums_, hn::Mul(range.top, stride));
-    bottom_ = hn::Add(sums_, hn::Mul(hn::Add(range.bottom, one), stride));
+    top_ = sums_ + range.top * stride;
+    bottom_ = sums_ + (range.bottom + one) * stride;
     left_ = UpTo(range.left);
-    const VF energy = ToFloat(hn::Sub(UpTo(hn::Add(range.right, one)), left_));
+    const VF energy = ToFloat(UpTo(range.right + one) - left_);
     energy_ = hn::IfThenElseZero(range.open, energy);
   }
 
@@ -134,21 +134,18 @@ class Window {
 
   // Draws a place in it.
   HWY_INLINE void Draw(VF u, VF v, VF& x, VF& y) const {
-    const VF target_x = hn::Mul(u, energy_);
-    const Found column = FindTexel(range_.left, range_.right, target_x, [&](VU edge) HWY_ATTR {
-      return ToFloat(hn::Sub(UpTo(edge), left_));
-    });
+    const VF target_x = u * energy_;
+    const Found column = FindTexel(range_.left, range_.right, target_x,
+                                   [&](VU edge) HWY_ATTR { return ToFloat(UpTo(edge) - left_); });
     // The same again along the column.
-    const VU begin = hn::Add(sums_, hn::Mul(column.texel, SetU(view_.texels + 1)));
-    const auto down_to = [&](VU edge)
-                             HWY_ATTR { return Gather(view_.columns, hn::Add(begin, edge)); };
+    const VU begin = sums_ + column.texel * SetU(view_.texels + 1);
+    const auto down_to = [&](VU edge) HWY_ATTR { return Gather(view_.columns, begin + edge); };
     const VU one = SetU(1), above = down_to(range_.top);
-    const VF in_column = ToFloat(hn::Sub(down_to(hn::Add(range_.bottom, one)), above));
-    const VF target_y = hn::Mul(v, in_column);
-    const Found row = FindTexel(range_.top, range_.bottom, target_y, [&](VU edge) HWY_ATTR {
-      return ToFloat(hn::Sub(down_to(edge), above));
-    });
-    const VU in_texel = hn::Sub(down_to(hn::Add(row.texel, one)), down_to(row.texel));
+    const VF in_column = ToFloat(down_to(range_.bottom + one) - above);
+    const VF target_y = v * in_column;
+    const Found row = FindTexel(range_.top, range_.bottom, target_y,
+                                [&](VU edge) HWY_ATTR { return ToFloat(down_to(edge) - above); });
+    const VU in_texel = down_to(row.texel + one) - down_to(row.texel);
     x = PlaceIn(column, target_x, in_column);
     y = PlaceIn(row, target_y, ToFloat(in_texel));
   }
@@ -156,8 +153,7 @@ class Window {
  private:
   // Returns the units of its rows up to an edge of a column.
   HWY_INLINE VU UpTo(VU edge) const {
-    return hn::Sub(Gather(view_.sums, hn::Add(bottom_, edge)),
-                   Gather(view_.sums, hn::Add(top_, edge)));
+    return Gather(view_.sums, bottom_ + edge) - Gather(view_.sums, top_ + edge);
   }
 
   const PortalsView& view_;
@@ -178,17 +174,17 @@ void PickPortals(const PortalsView& view, const SurfaceColumns& surfaces, const 
     for (std::uint32_t k = 0; k < view.count; ++k) {
       const PortalLanes portal = AllLanes(view.portals[k]);
       const Range range(view, portal, CornerFrom(portal, point));
-      const VF through = hn::Mul(Window(view, portal, range).energy(), portal.unit);
+      const VF through = Window(view, portal, range).energy() * portal.unit;
       Store(through, seen[k]);
-      total = hn::Add(total, through);
+      total = total + through;
     }
     const VF x = hn::IfThenElseZero(inside, Load(u + i));
     const MF lit = hn::Gt(total, zero);
     const MF through_portal = hn::And(lit, hn::Ge(x, Set(share)));
     // What is left of the uniform number goes on to the portal, or to the other technique.
-    const VF other = share > 0 ? hn::Div(x, Set(share)) : x;
-    const VF rest = hn::Div(hn::Sub(x, Set(share)), Set(1.0f - share));
-    const VF target = hn::Mul(rest, total);
+    const VF other = share > 0 ? x / share : x;
+    const VF rest = (x - share) / (1.0f - share);
+    const VF target = rest * total;
     VU portal = SetU(kNoPortal);
     VF before = zero, begin = zero, width = Set(1.0f);
     for (std::uint32_t k = 0; k < view.count; ++k) {
@@ -198,9 +194,9 @@ void PickPortals(const PortalsView& view, const SurfaceColumns& surfaces, const 
       portal = IfThen(hn::RebindMask(U(), here), SetU(k), portal);
       begin = IfThen(here, before, begin);
       width = IfThen(here, through, width);
-      before = hn::Add(before, through);
+      before = before + through;
     }
-    const VF in_portal = hn::Div(hn::Sub(target, begin), width);
+    const VF in_portal = (target - begin) / width;
     const VF left = IfThen(through_portal, in_portal, IfThen(lit, other, x));
     StoreBelow(total, energy, i, n);
     Store(portal, picks.portal + i);
@@ -227,12 +223,10 @@ void SamplePortals(const PortalsView& view, const SurfaceColumns& surfaces,
               hn::IfThenElseZero(drawn_f, Load(v + i)), x, y);
     // Angles count from -pi/2 on, so their sines are minus cosines of what follows.
     VF sin_x, cos_x, sin_y, cos_y;
-    SinCosTurn(hn::Mul(x, texel), cos_x, sin_x);
-    SinCosTurn(hn::Mul(y, texel), cos_y, sin_y);
-    const V3 local = {hn::Neg(hn::Mul(sin_x, cos_y)), hn::Neg(hn::Mul(sin_y, cos_x)),
-                      hn::Mul(cos_x, cos_y)};
-    const V3 world =
-        Add(Add(Scale(portal.x, local.x), Scale(portal.y, local.y)), Scale(portal.z, local.z));
+    SinCosTurn(x * texel, cos_x, sin_x);
+    SinCosTurn(y * texel, cos_y, sin_y);
+    const V3 local = {-(sin_x * cos_y), -(sin_y * cos_x), cos_x * cos_y};
+    const V3 world = portal.x * local.x + portal.y * local.y + portal.z * local.z;
     const V3 ahead = {zero, zero, Set(1.0f)};
     const MF good = hn::And(drawn_f, hn::Gt(Dot(world, world), zero));
     Store3(Normalize(IfThen(good, world, ahead)), out.dir_x + i, out.dir_y + i, out.dir_z + i);
@@ -241,8 +235,8 @@ void SamplePortals(const PortalsView& view, const SurfaceColumns& surfaces,
 
 // Returns the energy [units] of a texel of the rectified map.
 HWY_INLINE VF TexelEnergy(const PortalsView& view, VU sums, VU column, VU row) {
-  const VU at = hn::Add(hn::Add(sums, hn::Mul(column, SetU(view.texels + 1))), row);
-  return ToFloat(hn::Sub(Gather(view.columns, hn::Add(at, SetU(1))), Gather(view.columns, at)));
+  const VU at = sums + column * SetU(view.texels + 1) + row;
+  return ToFloat(Gather(view.columns, at + SetU(1)) - Gather(view.columns, at));
 }
 
 void MixPortalDensity(const PortalsView& view, const SurfaceColumns& surfaces, const float* energy,
@@ -279,19 +273,17 @@ void MixPortalDensity(const PortalsView& view, const SurfaceColumns& surfaces, c
       const VU row = TexelAt(view, PlaceOf(view, seen.y, seen.z));
       const MF passes = hn::And(ahead, Range(view, portal, corner).Holds(column, row));
       if (hn::AllFalse(F(), passes)) continue;
-      const VF in_texel = hn::Mul(TexelEnergy(view, portal.sums, column, row), portal.unit);
+      const VF in_texel = TexelEnergy(view, portal.sums, column, row) * portal.unit;
       // The solid angle of a square of angles is (1 - x^2) (1 - y^2) / z.
-      const VF z2 = hn::Mul(seen.z, seen.z);
-      const VF stretch =
-          hn::Mul(hn::Add(z2, hn::Mul(seen.y, seen.y)), hn::Add(z2, hn::Mul(seen.x, seen.x)));
-      const VF density = hn::Mul(in_texel, hn::Div(seen.z, hn::Max(stretch, Set(1e-30f))));
-      through = hn::Add(through, hn::IfThenElseZero(passes, density));
+      const VF z2 = seen.z * seen.z;
+      const VF stretch = (z2 + seen.y * seen.y) * (z2 + seen.x * seen.x);
+      const VF density = in_texel * (seen.z / hn::Max(stretch, Set(1e-30f)));
+      through = through + hn::IfThenElseZero(passes, density);
     }
     const VF other = Load(pdf + i);
     const VF scale = Set((1.0f - share) * texels_per_radian * texels_per_radian);
-    const VF mixed = hn::Add(hn::Mul(Set(share), other),
-                             hn::Mul(scale, hn::Div(through, IfThen(lit, total, Set(1.0f)))));
-    StoreBelow(hn::Mul(Set(samples), IfThen(lit, mixed, other)), pdf, i, n);
+    const VF mixed = share * other + scale * (through / IfThen(lit, total, Set(1.0f)));
+    StoreBelow(samples * IfThen(lit, mixed, other), pdf, i, n);
   }
 }
 

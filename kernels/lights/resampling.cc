@@ -27,19 +27,18 @@ void OfferCandidates(const LightColumns& lights, const BsdfValueColumns& values,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
-    const VF target = Luminance(Mul(value, radiance));
-    const VF density = hn::Add(hn::Mul(Set(float(counts.map)), Load(lights.pdf + i)),
-                               hn::Mul(Set(float(counts.bsdf)), Load(values.pdf + i)));
+    const VF target = Luminance(value * radiance);
+    const VF density =
+        float(counts.map) * Load(lights.pdf + i) + float(counts.bsdf) * Load(values.pdf + i);
     const MF offered = hn::And(hn::Gt(target, zero), hn::Gt(density, zero));
-    const VF weight = hn::IfThenElseZero(offered, hn::Div(target, density));
-    const VF sum = hn::Add(Load(reservoirs.sum + i), weight);
+    const VF weight = hn::IfThenElseZero(offered, target / density);
+    const VF sum = Load(reservoirs.sum + i) + weight;
     // The candidate is kept with probability weight / sum; either way the rest of x is uniform
     // again.
-    const VF probability = hn::Div(weight, sum);
+    const VF probability = weight / sum;
     const VF x = Load(reservoirs.x + i);
     const MF kept = hn::And(offered, hn::Lt(x, probability));
-    const VF rest = IfThen(kept, hn::Div(x, probability),
-                           hn::Div(hn::Sub(x, probability), hn::Sub(Set(1.0f), probability)));
+    const VF rest = IfThen(kept, x / probability, (x - probability) / (1.0f - probability));
     Store(IfThen(offered, hn::Min(rest, below_one), x), reservoirs.x + i);
     Store(sum, reservoirs.sum + i);
     Store(IfThen(kept, target, Load(reservoirs.target + i)), reservoirs.target + i);
@@ -61,9 +60,9 @@ void TakeFromReservoirs(const ReservoirColumns& reservoirs, std::uint32_t n, flo
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF target = Load(reservoirs.target + i);
     const MF some = hn::Gt(target, zero);
-    const VF worth = hn::Div(Load(reservoirs.sum + i), hn::Mul(target, Set(samples)));
+    const VF worth = Load(reservoirs.sum + i) / (target * samples);
     const auto light = [&](const float* radiance, float* to) HWY_ATTR {
-      Store(hn::IfThenElseZero(some, hn::Mul(Load(radiance + i), worth)), to + i);
+      Store(hn::IfThenElseZero(some, Load(radiance + i) * worth), to + i);
     };
     light(reservoirs.r, out.r);
     light(reservoirs.g, out.g);

@@ -55,12 +55,12 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
                              std::uint32_t n, SearchColumns& s, const Found& found) {
   const VF node_mass = Set(float(kNodeMass));
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF scaled = hn::Mul(Load(x + i), node_mass);
+    const VF scaled = Load(x + i) * node_mass;
     Store(scaled, s.x + i);
     // x < 1 stays so on the way down, but whatever it is, the search stays in the node.
     const VU target = hn::Min(ToUnsigned(scaled), SetU(kNodeMass - 1));
-    Store(hn::Add(target, SetU(1)), s.limit + i);
-    Store(hn::Mul(Load(tree + i), SetU(padding)), s.skipped + i);
+    Store(target + SetU(1), s.limit + i);
+    Store(Load(tree + i) * SetU(padding), s.skipped + i);
   }
   for (std::uint32_t i = 0; i < n; ++i) {
     const SearchNode& here = nodes[node[i]];
@@ -72,7 +72,7 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU span = Load(s.span + i);
     const VF start = ToFloat(SpanStart(span)), end = ToFloat(SpanEnd(span));
-    Store(hn::Div(hn::Sub(Load(s.x + i), start), hn::Sub(end, start)), s.x + i);
+    Store((Load(s.x + i) - start) / (end - start), s.x + i);
   }
 }
 

@@ -17,30 +17,30 @@ namespace HWY_NAMESPACE {
 HWY_INLINE void EmitFromCells(const EnvironmentView& map, const CellsView& cells, VU cell, VF x,
                               VF y, VF scale, const LightColumns& out, std::uint32_t to) {
   const VU begin = Gather(cells.begin, cell);
-  const VU count = hn::Sub(Gather(cells.begin, hn::Add(cell, SetU(1))), begin);
-  const VF position = hn::Mul(x, ToFloat(count));
-  const VU index = hn::Min(ToUnsigned(position), hn::Sub(count, SetU(1)));
-  VU slot = hn::Add(begin, index);
+  const VU count = Gather(cells.begin, cell + SetU(1)) - begin;
+  const VF position = x * ToFloat(count);
+  const VU index = hn::Min(ToUnsigned(position), count - SetU(1));
+  VU slot = begin + index;
   const auto* words = reinterpret_cast<const std::uint32_t*>(cells.slots);
   const VU at = hn::ShiftLeft<1>(slot);
   const VF keep = AsFloat(Gather(words, at));
-  const VU other = Gather(words, hn::Add(at, SetU(1)));
+  const VU other = Gather(words, at + SetU(1));
   const MF kept = hn::Lt(y, keep);
   slot = IfThen(hn::RebindMask(U(), kept), slot, other);
-  const VF below = IfThen(kept, y, hn::Sub(y, keep));
-  const VF length = IfThen(kept, keep, hn::Sub(Set(1.0f), keep));
-  const VF fy = hn::Min(hn::Div(below, hn::Max(length, Set(1e-20f))), Set(0x1.fffffep-1f));
-  const VF fx = Clamp(hn::Sub(position, ToFloat(index)), 0.0f, 0x1.fffffep-1f);
+  const VF below = IfThen(kept, y, y - keep);
+  const VF length = IfThen(kept, keep, 1.0f - keep);
+  const VF fy = hn::Min(below / hn::Max(length, Set(1e-20f)), Set(0x1.fffffep-1f));
+  const VF fx = Clamp(position - ToFloat(index), 0.0f, 0x1.fffffep-1f);
   const VU texel = Gather(cells.texel, slot);
   // texel is row * width + column; the float quotient may be one off.
   const VU width = SetU(map.width);
-  VU row = ToUnsigned(hn::Mul(ToFloat(texel), Set(1.0f / float(map.width))));
-  row = IfThen(hn::Gt(hn::Mul(row, width), texel), hn::Sub(row, SetU(1)), row);
-  VU column = hn::Sub(texel, hn::Mul(row, width));
+  VU row = ToUnsigned(ToFloat(texel) * (1.0f / float(map.width)));
+  row = IfThen(hn::Gt(row * width, texel), row - SetU(1), row);
+  VU column = texel - row * width;
   const MU next = hn::Gt(column, SetU(map.width - 1));
-  row = IfThen(next, hn::Add(row, SetU(1)), row);
-  column = IfThen(next, hn::Sub(column, width), column);
-  EmitTexels(map, column, row, fx, fy, hn::Mul(Gather(cells.density, texel), scale), out, to);
+  row = IfThen(next, row + SetU(1), row);
+  column = IfThen(next, column - width, column);
+  EmitTexels(map, column, row, fx, fy, Gather(cells.density, texel) * scale, out, to);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -18,13 +18,13 @@ HWY_INLINE VU Halves(VU words, bool high) {
 // Splits at `share` of kWarpOne: adds 1 to `cell` where x falls beyond it, and stretches x to [0,
 // 1).
 HWY_INLINE void SplitAt(VU share, VF& x, VU& cell) {
-  const VF scaled = hn::Mul(x, Set(float(kWarpOne)));
+  const VF scaled = x * float(kWarpOne);
   const VF edge = ToFloat(share);
   const MF behind = hn::Ge(scaled, edge);
-  const VF position = IfThen(behind, hn::Sub(scaled, edge), scaled);
-  const VF length = IfThen(behind, hn::Sub(Set(float(kWarpOne)), edge), edge);
-  x = hn::Min(hn::Div(position, length), Set(0x1.fffffep-1f));
-  cell = hn::Add(cell, hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1)));
+  const VF position = IfThen(behind, scaled - edge, scaled);
+  const VF length = IfThen(behind, float(kWarpOne) - edge, edge);
+  x = hn::Min(position / length, Set(0x1.fffffep-1f));
+  cell = cell + hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1));
 }
 
 void SampleTexelsByWarp(const EnvironmentView& map, const WarpView& warp, const float* density,
@@ -38,23 +38,23 @@ void SampleTexelsByWarp(const EnvironmentView& map, const WarpView& warp, const 
     for (std::uint32_t l = 0; l < warp.levels; ++l) {
       const WarpLevel& level = warp.level[l];
       const auto* words = reinterpret_cast<const std::uint32_t*>(level.records);
-      const VU at = hn::ShiftLeft<1>(hn::Add(hn::Mul(row, SetU(level.width)), column));
+      const VU at = hn::ShiftLeft<1>(row * SetU(level.width) + column);
       const VU first = Gather(words, at);
       VU left = Halves(first, true);
       if (level.split_y) {
-        const VU below = Halves(Gather(words, hn::Add(at, SetU(1))), false);
-        const VU row_before = hn::Add(row, row);
+        const VU below = Halves(Gather(words, at + SetU(1)), false);
+        const VU row_before = row + row;
         row = row_before;
         SplitAt(Halves(first, false), y, row);
         left = IfThen(hn::Eq(row, row_before), left, below);
       }
       if (level.split_x) {
-        column = hn::Add(column, column);
+        column = column + column;
         SplitAt(left, x, column);
       }
     }
-    const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
-    EmitTexels(map, column, row, x, y, hn::Mul(Gather(density, texel), Set(samples)), out, i);
+    const VU texel = row * SetU(map.width) + column;
+    EmitTexels(map, column, row, x, y, Gather(density, texel) * samples, out, i);
   }
 }
 

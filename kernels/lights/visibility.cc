@@ -60,22 +60,22 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
     const MF used = hn::RebindMask(F(), inside);
     const VU at = hn::IfThenElseZero(inside, Load(texel + i));
     // The float quotient may be one off.
-    VU row = ToUnsigned(hn::Mul(ToFloat(at), Set(1.0f / float(map.width))));
-    row = IfThen(hn::Gt(hn::Mul(row, width), at), hn::Sub(row, SetU(1)), row);
-    VU column = hn::Sub(at, hn::Mul(row, width));
+    VU row = ToUnsigned(ToFloat(at) * (1.0f / float(map.width)));
+    row = IfThen(hn::Gt(row * width, at), row - SetU(1), row);
+    VU column = at - row * width;
     const MU next = hn::Gt(column, SetU(map.width - 1));
-    row = IfThen(next, hn::Add(row, SetU(1)), row);
-    column = IfThen(next, hn::Sub(column, width), column);
+    row = IfThen(next, row + SetU(1), row);
+    column = IfThen(next, column - width, column);
     const VF below_one = Set(0x1.fffffep-1f);
     const VF fx = Clamp(hn::IfThenElseZero(used, Load(position + i)), 0.0f, 0x1.fffffep-1f);
     const VF y = hn::IfThenElseZero(used, Load(uniforms.v + i)), share = Load(keep + i);
     const MF keeps = hn::Lt(y, share);
-    const VF below = IfThen(keeps, y, hn::Sub(y, share));
-    const VF length = IfThen(keeps, share, hn::Sub(Set(1.0f), share));
-    const VF fy = hn::Min(hn::Div(below, hn::Max(length, Set(1e-20f))), below_one);
+    const VF below = IfThen(keeps, y, y - share);
+    const VF length = IfThen(keeps, share, 1.0f - share);
+    const VF fy = hn::Min(below / hn::Max(length, Set(1e-20f)), below_one);
     const V3 radiance =
         UnpackRadiance(hn::IfThenElseZero(inside, Load(packed + i)), map.radiance_unit);
-    const VF pdf = hn::Mul(Load(density + i), Set(samples));
+    const VF pdf = Load(density + i) * samples;
     if (!mixed) {
       EmitTexels(map, column, row, FetchAreas(map, row), fx, fy, radiance, pdf, out, i);
       continue;
@@ -99,10 +99,9 @@ void ScaleByPlace(const PlacePicksView& picks, const float* light_norm, const st
     const VU from = hn::IfThenElseZero(used, Load(rows.from + i));
     const VF norm = hn::IfThenElseZero(hn::RebindMask(F(), used), Gather(light_norm, from));
     const MF learnt = hn::Lt(norm, Set(float(picks.learnt)));
-    const VU at =
-        hn::IfThenElseZero(hn::And(used, hn::RebindMask(U(), learnt)),
-                           hn::Add(hn::Mul(ToUnsigned(norm), SetU(picks.cells)), Load(cell + i)));
-    VF pdf = hn::Mul(Load(rows.light_pdf + i), Gather(picks.probability, at));
+    const VU at = hn::IfThenElseZero(hn::And(used, hn::RebindMask(U(), learnt)),
+                                     ToUnsigned(norm) * SetU(picks.cells) + Load(cell + i));
+    VF pdf = Load(rows.light_pdf + i) * Gather(picks.probability, at);
     if (other != nullptr) pdf = IfThen(learnt, pdf, Load(other + i));
     StoreBelow(pdf, rows.light_pdf, i, n);
   }

@@ -16,14 +16,14 @@ namespace HWY_NAMESPACE {
 
 // Combines two ratios of densities into one that weighs as much as both. (The balance heuristic
 // would add them.)
-HWY_INLINE VF Join(VF a, VF b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); }
+HWY_INLINE VF Join(VF a, VF b) { return hn::Sqrt(a * a + b * b); }
 
 // Returns the weight of a technique whose competitors have the density ratios `a` and `b`; 1
 // without multiple importance sampling.
 HWY_INLINE VF HeuristicWeight(const MisPolicy& mis, VF a, VF b) {
   const VF one = Set(1.0f);
   if (!mis.enabled) return one;
-  return hn::Div(one, hn::Add(one, hn::Add(hn::Mul(a, a), hn::Mul(b, b))));
+  return one / (one + (a * a + b * b));
 }
 
 // Bounds a ratio so that the product of two is finite: infinity times zero would be NaN.

@@ -20,24 +20,23 @@ inline constexpr float kInvPi = 0.318309886183791f;
 template <std::size_t N>
 HWY_INLINE VF Polynomial(VF x, const float (&c)[N]) {
   VF sum = Set(c[N - 1]);
-  for (std::size_t i = N - 1; i-- > 0;) sum = hn::Add(hn::Mul(sum, x), Set(c[i]));
+  for (std::size_t i = N - 1; i-- > 0;) sum = sum * x + c[i];
   return sum;
 }
 
 // Computes sin and cos of 2 pi t for t in [0, 1]: the turn is split exactly into quarters, and the
 // rest is a Taylor polynomial in [-pi/4, pi/4]. The error is below 2e-7.
 HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {
-  const VF quarters = hn::Mul(t, Set(4.0f));
+  const VF quarters = t * 4.0f;
   const VF nearest = hn::Round(quarters);
-  const VF x = hn::Mul(hn::Sub(quarters, nearest), Set(0.5f * kPi));
-  const VF x2 = hn::Mul(x, x);
-  const VF s =
-      hn::Mul(x, Polynomial(x2, {1.0f, -1.0f / 6, 1.0f / 120, -1.0f / 5040, 1.0f / 362880}));
+  const VF x = (quarters - nearest) * (0.5f * kPi);
+  const VF x2 = x * x;
+  const VF s = x * Polynomial(x2, {1.0f, -1.0f / 6, 1.0f / 120, -1.0f / 5040, 1.0f / 362880});
   const VF c = Polynomial(x2, {1.0f, -0.5f, 1.0f / 24, -1.0f / 720, 1.0f / 40320});
   const VU quadrant = ToUnsigned(nearest);
   const MF swap = hn::RebindMask(F(), hn::TestBit(quadrant, SetU(1)));
   const VF sine_sign = AsFloat(hn::ShiftLeft<30>(hn::And(quadrant, SetU(2))));
-  const VF cosine_sign = AsFloat(hn::ShiftLeft<30>(hn::And(hn::Add(quadrant, SetU(1)), SetU(2))));
+  const VF cosine_sign = AsFloat(hn::ShiftLeft<30>(hn::And(quadrant + SetU(1), SetU(2))));
   sine = hn::Xor(IfThen(swap, c, s), sine_sign);
   cosine = hn::Xor(IfThen(swap, s, c), cosine_sign);
 }
@@ -48,18 +47,18 @@ HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {
 HWY_INLINE VF Atan2Turn(VF y, VF x) {
   const VF ax = hn::Abs(x), ay = hn::Abs(y);
   const VF low = hn::Min(ax, ay), high = hn::Max(ax, ay);
-  const MF shift = hn::Gt(low, hn::Mul(high, Set(0.41421356f)));
-  const VF numerator = IfThen(shift, hn::Sub(low, high), low);
-  const VF denominator = IfThen(shift, hn::Add(low, high), high);
-  const VF q = hn::Div(numerator, hn::Max(denominator, Set(1e-37f)));
-  const VF q2 = hn::Mul(q, q);
+  const MF shift = hn::Gt(low, high * 0.41421356f);
+  const VF numerator = IfThen(shift, low - high, low);
+  const VF denominator = IfThen(shift, low + high, high);
+  const VF q = numerator / hn::Max(denominator, Set(1e-37f));
+  const VF q2 = q * q;
   // This is atan(q) / (2 pi q), interpolated at the Chebyshev nodes of [0, tan(pi/8)].
   const VF series = Polynomial(q2, {0.1591549430f, -0.05305160562f, 0.03182809684f, -0.02266292012f,
                                     0.01682240504f, -0.009591162693f});
-  VF turn = hn::Mul(q, series);
-  turn = IfThen(shift, hn::Add(turn, Set(0.125f)), turn);
-  turn = IfThen(hn::Gt(ay, ax), hn::Sub(Set(0.25f), turn), turn);
-  turn = IfThen(hn::Lt(x, hn::Zero(F())), hn::Sub(Set(0.5f), turn), turn);
+  VF turn = q * series;
+  turn = IfThen(shift, turn + 0.125f, turn);
+  turn = IfThen(hn::Gt(ay, ax), 0.25f - turn, turn);
+  turn = IfThen(hn::Lt(x, hn::Zero(F())), 0.5f - turn, turn);
   return hn::CopySign(turn, y);
 }
 
@@ -93,9 +92,7 @@ HWY_INLINE VU ReverseBits(VU v) {
 }
 
 // Maps 32 random bits to [0, 1) by the top 24, which a float holds exactly.
-HWY_INLINE VF ToUnitFloat(VU bits) {
-  return hn::Mul(ToFloat(hn::ShiftRight<8>(bits)), Set(0x1p-24f));
-}
+HWY_INLINE VF ToUnitFloat(VU bits) { return ToFloat(hn::ShiftRight<8>(bits)) * (0x1p-24f); }
 
 // Returns the unit vector of a TriangleRecord normal: two's complement 16-bit octahedral
 // coordinates, x in the low half (Cigolle et al. 2014). It is the inverse of EncodeNormal in
@@ -103,12 +100,11 @@ HWY_INLINE VF ToUnitFloat(VU bits) {
 HWY_INLINE V3 DecodeNormal(VU packed) {
   const VF scale = Set(1.0f / 32767.0f);
   const VI bits = AsInt(packed);
-  const VF x = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(bits))), scale);
-  const VF y = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(bits)), scale);
-  const VF z = hn::Sub(hn::Sub(Set(1.0f), hn::Abs(x)), hn::Abs(y));
-  const VF fold =
-      hn::Max(hn::Neg(z), hn::Zero(F()));  // the lower half is mirrored at the diagonals
-  return Normalize({hn::Sub(x, hn::CopySign(fold, x)), hn::Sub(y, hn::CopySign(fold, y)), z});
+  const VF x = hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(bits))) * scale;
+  const VF y = hn::ConvertTo(F(), hn::ShiftRight<16>(bits)) * scale;
+  const VF z = 1.0f - hn::Abs(x) - hn::Abs(y);
+  const VF fold = hn::Max(-z, hn::Zero(F()));  // the lower half is mirrored at the diagonals
+  return Normalize({x - hn::CopySign(fold, x), y - hn::CopySign(fold, y), z});
 }
 
 }  // namespace HWY_NAMESPACE

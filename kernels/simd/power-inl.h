@@ -18,16 +18,16 @@ namespace HWY_NAMESPACE {
 // lobes.
 HWY_INLINE VF PowerOfWidth(VF alpha) {
   const VF width = hn::Max(alpha, Set(0.02f));
-  return hn::Max(hn::Sub(hn::Div(Set(2.0f), hn::Mul(width, width)), Set(2.0f)), hn::Zero(F()));
+  return hn::Max(2.0f / (width * width) - 2.0f, hn::Zero(F()));
 }
 
 // Returns the unit vector with that cosine to +z, `u` turns about it.
 HWY_INLINE V3 AboutPole(VF u, VF cosine) {
   const VF one = Set(1.0f);
-  const VF sine = SafeSqrt(hn::Mul(hn::Sub(one, cosine), hn::Add(one, cosine)));
+  const VF sine = SafeSqrt((one - cosine) * (one + cosine));
   VF s, c;
   SinCosTurn(u, s, c);
-  return {hn::Mul(sine, c), hn::Mul(sine, s), cosine};
+  return {sine * c, sine * s, cosine};
 }
 
 }  // namespace HWY_NAMESPACE

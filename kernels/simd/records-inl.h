@@ -77,12 +77,12 @@ HWY_INLINE void GatherPairs(const float* base, VU first, VF& low, VF& high) {
 
 HWY_INLINE void GatherPairs(const float* base, VU first, VF& low, VF& high) {
   low = Gather(base, first);
-  high = Gather(base, hn::Add(first, SetU(1)));
+  high = Gather(base, first + SetU(1));
 }
 
 HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
-  return {Gather(base, first), Gather(base, hn::Add(first, SetU(1))),
-          Gather(base, hn::Add(first, SetU(2))), Gather(base, hn::Add(first, SetU(3)))};
+  return {Gather(base, first), Gather(base, first + SetU(1)), Gather(base, first + SetU(2)),
+          Gather(base, first + SetU(3))};
 }
 
 #endif

@@ -20,7 +20,7 @@ class RowRun {
   // rows[n]; `rows` is padded.
   HWY_INLINE RowRun(const std::uint32_t* rows, std::uint32_t i, std::uint32_t n) : first_(rows[i]) {
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(U()));
-    const VU lane = hn::Sub(Load(rows + i), SetU(first_));
+    const VU lane = Load(rows + i) - SetU(first_);
     const MU near = hn::And(hn::Lt(lane, SetU(lanes)), RowsBelow(i, n));
     const std::intptr_t end = hn::FindFirstTrue(U(), hn::Not(near));
     count_ = end < 0 ? lanes : static_cast<std::uint32_t>(end);

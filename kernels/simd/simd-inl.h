@@ -76,6 +76,17 @@ HWY_INLINE VF SafeSqrt(VF value) { return hn::Sqrt(hn::Max(value, hn::Zero(F()))
 HWY_INLINE VF IfThen(MF mask, VF yes, VF no) { return hn::IfThenElse(mask, yes, no); }
 HWY_INLINE VU IfThen(MU mask, VU yes, VU no) { return hn::IfThenElse(mask, yes, no); }
 
+// Highway has + - * / of two vectors; with these, kernels are written as formulas.
+HWY_INLINE VF operator-(VF a) { return hn::Neg(a); }
+HWY_INLINE VF operator+(VF a, float b) { return a + Set(b); }
+HWY_INLINE VF operator+(float a, VF b) { return Set(a) + b; }
+HWY_INLINE VF operator-(VF a, float b) { return a - Set(b); }
+HWY_INLINE VF operator-(float a, VF b) { return Set(a) - b; }
+HWY_INLINE VF operator*(VF a, float b) { return a * Set(b); }
+HWY_INLINE VF operator*(float a, VF b) { return Set(a) * b; }
+HWY_INLINE VF operator/(VF a, float b) { return a / Set(b); }
+HWY_INLINE VF operator/(float a, VF b) { return Set(a) / b; }
+
 struct V3 {
   VF x, y, z;
 };
@@ -87,31 +98,20 @@ HWY_INLINE void Store3(const V3& value, float* x, float* y, float* z) {
   Store(value.x, x), Store(value.y, y), Store(value.z, z);
 }
 HWY_INLINE V3 Set3(const float* values) { return {Set(values[0]), Set(values[1]), Set(values[2])}; }
-HWY_INLINE V3 Add(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE V3 Sub(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE V3 Scale(const V3& a, VF s) {
-  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
-}
-HWY_INLINE V3 Mul(const V3& a, const V3& b) {
-  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
-}
-HWY_INLINE V3 Neg(const V3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
-HWY_INLINE VF Dot(const V3& a, const V3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
+HWY_INLINE V3 operator+(const V3& a, const V3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+HWY_INLINE V3 operator-(const V3& a, const V3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE V3 operator*(const V3& a, const V3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+HWY_INLINE V3 operator*(const V3& a, VF s) { return {a.x * s, a.y * s, a.z * s}; }
+HWY_INLINE V3 operator*(const V3& a, float s) { return a * Set(s); }
+HWY_INLINE V3 operator-(const V3& a) { return {-a.x, -a.y, -a.z}; }
+HWY_INLINE VF Dot(const V3& a, const V3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 HWY_INLINE V3 IfThen(MF mask, const V3& yes, const V3& no) {
   return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
 }
-HWY_INLINE V3 Normalize(const V3& a) { return Scale(a, hn::Div(Set(1.0f), hn::Sqrt(Dot(a, a)))); }
+HWY_INLINE V3 Normalize(const V3& a) { return a * (1.0f / hn::Sqrt(Dot(a, a))); }
 HWY_INLINE VF MaxComponent(const V3& a) { return hn::Max(hn::Max(a.x, a.y), a.z); }
 
 // Two unit vectors s and t complete the unit vector n to a right-handed frame (Duff et al. 2017).
@@ -120,18 +120,16 @@ struct Frame {
 };
 HWY_INLINE Frame MakeFrame(const V3& n) {
   const VF sign = hn::CopySign(Set(1.0f), n.z);
-  const VF a = hn::Div(Set(-1.0f), hn::Add(sign, n.z));
-  const VF b = hn::Mul(hn::Mul(n.x, n.y), a);
-  const VF sign_x = hn::Mul(sign, n.x);
-  return {{hn::Add(Set(1.0f), hn::Mul(hn::Mul(sign_x, n.x), a)), hn::Mul(sign, b), hn::Neg(sign_x)},
-          {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)},
-          n};
+  const VF a = -1.0f / (sign + n.z);
+  const VF b = n.x * n.y * a;
+  const VF sign_x = sign * n.x;
+  return {{1.0f + sign_x * n.x * a, sign * b, -sign_x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 HWY_INLINE V3 ToLocal(const Frame& frame, const V3& w) {
   return {Dot(frame.s, w), Dot(frame.t, w), Dot(frame.n, w)};
 }
 HWY_INLINE V3 ToWorld(const Frame& frame, const V3& w) {
-  return Add(Add(Scale(frame.s, w.x), Scale(frame.t, w.y)), Scale(frame.n, w.z));
+  return frame.s * w.x + frame.t * w.y + frame.n * w.z;
 }
 
 // Moves the lanes of `mask` to the front, in order; the lanes after them are unspecified. It is

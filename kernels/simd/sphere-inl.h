@@ -14,23 +14,23 @@ namespace HWY_NAMESPACE {
 
 // Draws a direction uniformly over the sphere, with density 1 / 4 pi.
 HWY_INLINE V3 UniformSphere(VF u, VF v) {
-  const VF z = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), v));
+  const VF z = 1.0f - 2.0f * v;
   // 1 - z^2 = 4 v (1 - v), which does not cancel at the poles.
-  const VF sine = hn::Mul(Set(2.0f), SafeSqrt(hn::Mul(v, hn::Sub(Set(1.0f), v))));
+  const VF sine = 2.0f * SafeSqrt(v * (1.0f - v));
   VF s, c;
   SinCosTurn(u, s, c);
-  return {hn::Mul(sine, c), hn::Mul(sine, s), z};
+  return {sine * c, sine * s, z};
 }
 
 // Draws a direction uniformly over the cone about +z in which 1 - z is at most `widest`.
 HWY_INLINE V3 InCone(VF u, VF v, VF widest) {
   // `below` is 1 - cosine, which is more precise than the cosine in narrow cones.
-  const VF below = hn::Mul(v, widest);
-  const VF cosine = hn::Sub(Set(1.0f), below);
-  const VF sine = SafeSqrt(hn::Mul(below, hn::Sub(Set(2.0f), below)));
+  const VF below = v * widest;
+  const VF cosine = 1.0f - below;
+  const VF sine = SafeSqrt(below * (2.0f - below));
   VF s, c;
   SinCosTurn(u, s, c);
-  return {hn::Mul(sine, c), hn::Mul(sine, s), cosine};
+  return {sine * c, sine * s, cosine};
 }
 
 // Maps the square [-1, 1]^2 to the sphere so that equal areas stay equal (Clarberg 2008). The
@@ -39,29 +39,29 @@ HWY_INLINE V3 DirectionOnEqualAreaSquare(VF a, VF b) {
   const VF one = Set(1.0f);
   // r is the distance from the middle in the norm whose ball is the inner diamond; beyond the
   // diamond lies the lower hemisphere.
-  const VF inside = hn::Sub(one, hn::Add(hn::Abs(a), hn::Abs(b)));
-  const VF r = hn::Sub(one, hn::Abs(inside));
-  const VF r2 = hn::Mul(r, r);
+  const VF inside = one - (hn::Abs(a) + hn::Abs(b));
+  const VF r = one - hn::Abs(inside);
+  const VF r2 = r * r;
   const MF pole = hn::Eq(r, hn::Zero(F()));
-  const VF along = hn::Div(hn::Sub(hn::Abs(b), hn::Abs(a)), IfThen(pole, one, r));
+  const VF along = (hn::Abs(b) - hn::Abs(a)) / IfThen(pole, one, r);
   VF sine, cosine;
-  SinCosTurn(hn::Mul(Clamp(hn::Add(along, one), 0.0f, 2.0f), Set(0.125f)), sine, cosine);
-  const VF height = hn::CopySign(hn::Sub(one, r2), inside);
-  const VF side = hn::Mul(r, SafeSqrt(hn::Sub(Set(2.0f), r2)));
-  return {hn::Mul(side, hn::CopySign(cosine, a)), hn::Mul(side, hn::CopySign(sine, b)), height};
+  SinCosTurn(Clamp(along + one, 0.0f, 2.0f) * 0.125f, sine, cosine);
+  const VF height = hn::CopySign(one - r2, inside);
+  const VF side = r * SafeSqrt(2.0f - r2);
+  return {side * hn::CopySign(cosine, a), side * hn::CopySign(sine, b), height};
 }
 
 // Inverts DirectionOnEqualAreaSquare for unit vectors.
 HWY_INLINE void PlaceOnEqualAreaSquare(const V3& d, VF& a, VF& b) {
   const VF one = Set(1.0f), half = Set(0.5f);
   // This is the root of 1 - |z|, which would cancel near the poles.
-  const VF side2 = hn::Add(hn::Mul(d.x, d.x), hn::Mul(d.y, d.y));
-  const VF r = hn::Sqrt(hn::Div(side2, hn::Add(one, hn::Abs(d.z))));
-  const VF along = hn::Sub(hn::Mul(Set(8.0f), Atan2Turn(hn::Abs(d.y), hn::Abs(d.x))), one);
-  const VF sum = hn::Sub(one, hn::CopySign(hn::Sub(one, r), d.z));
-  const VF difference = hn::Mul(along, r);
-  a = hn::CopySign(hn::Mul(half, hn::Sub(sum, difference)), d.x);
-  b = hn::CopySign(hn::Mul(half, hn::Add(sum, difference)), d.y);
+  const VF side2 = d.x * d.x + d.y * d.y;
+  const VF r = hn::Sqrt(side2 / (one + hn::Abs(d.z)));
+  const VF along = 8.0f * Atan2Turn(hn::Abs(d.y), hn::Abs(d.x)) - one;
+  const VF sum = one - hn::CopySign(one - r, d.z);
+  const VF difference = along * r;
+  a = hn::CopySign(half * (sum - difference), d.x);
+  b = hn::CopySign(half * (sum + difference), d.y);
 }
 
 // Draws a direction in the hemisphere of +z with density cos / pi (P 3-6): a uniform point of the
@@ -70,35 +70,35 @@ HWY_INLINE V3 CosineHemisphere(VF u, VF v) {
   const VF radius = hn::Sqrt(v);
   VF s, c;
   SinCosTurn(u, s, c);
-  return {hn::Mul(radius, c), hn::Mul(radius, s), hn::Sqrt(hn::Sub(Set(1.0f), v))};
+  return {radius * c, radius * s, hn::Sqrt(1.0f - v)};
 }
 
 // Maps (u, v) to a uniform point of the unit disk, rings of squares to rings of the disk (Shirley
 // and Chiu 1997).
 HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
-  const VF a = hn::Sub(hn::Add(u, u), Set(1.0f)), b = hn::Sub(hn::Add(v, v), Set(1.0f));
+  const VF a = u + u - 1.0f, b = v + v - 1.0f;
   const MF steep = hn::Gt(hn::Abs(b), hn::Abs(a));
   const VF major = IfThen(steep, b, a), minor = IfThen(steep, a, b);
   const MF centre = hn::Eq(major, hn::Zero(F()));
-  const VF slope = hn::Div(minor, IfThen(centre, Set(1.0f), major));
+  const VF slope = minor / IfThen(centre, Set(1.0f), major);
   VF sine, cosine;
-  SinCosTurn(hn::Mul(hn::Abs(slope), Set(0.125f)), sine, cosine);
-  const VF along = hn::Mul(major, cosine), across = hn::Mul(major, hn::CopySign(sine, slope));
+  SinCosTurn(hn::Abs(slope) * 0.125f, sine, cosine);
+  const VF along = major * cosine, across = major * hn::CopySign(sine, slope);
   x = IfThen(steep, across, along);
   y = IfThen(steep, along, across);
 }
 
 // Inverts SampleDisc: finds u and v of a point of the unit disk.
 HWY_INLINE void DiscUniforms(VF x, VF y, VF& u, VF& v) {
-  const VF radius = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+  const VF radius = hn::Sqrt(x * x + y * y);
   const MF steep = hn::Gt(hn::Abs(y), hn::Abs(x));
   const VF along = IfThen(steep, y, x), across = IfThen(steep, x, y);
   const VF major = hn::CopySign(radius, along);
-  const VF slope = hn::Mul(Atan2Turn(across, hn::Abs(along)), Set(8.0f));
-  const VF minor = hn::Mul(radius, slope);
+  const VF slope = Atan2Turn(across, hn::Abs(along)) * 8.0f;
+  const VF minor = radius * slope;
   const VF half = Set(0.5f);
-  u = hn::Add(hn::Mul(IfThen(steep, minor, major), half), half);
-  v = hn::Add(hn::Mul(IfThen(steep, major, minor), half), half);
+  u = IfThen(steep, minor, major) * half + half;
+  v = IfThen(steep, major, minor) * half + half;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -25,23 +25,22 @@ struct FacetTurn {
 
 HWY_INLINE VF PackFacetTurn(const FacetTurn& turn) {
   const VF half = Set(0.5f), steps = Set(65535.0f);
-  const VF sum = hn::Max(hn::Add(hn::Abs(turn.cosine), hn::Abs(turn.sine)), Set(1e-20f));
-  const VF sine = hn::Div(hn::CopySign(turn.sine, hn::Mul(turn.sine, turn.cosine)), sum);
-  const VF place = hn::Mul(hn::Add(Clamp(sine, -1.0f, 1.0f), Set(1.0f)), half);
+  const VF sum = hn::Max(hn::Abs(turn.cosine) + hn::Abs(turn.sine), Set(1e-20f));
+  const VF sine = hn::CopySign(turn.sine, turn.sine * turn.cosine) / sum;
+  const VF place = (Clamp(sine, -1.0f, 1.0f) + 1.0f) * half;
   const VF root = hn::Sqrt(Clamp(turn.across, 0.0f, 1.0f));
-  const auto whole = [&](VF share)
-                         HWY_ATTR { return ToUnsigned(hn::Add(hn::Mul(share, steps), half)); };
+  const auto whole = [&](VF share) HWY_ATTR { return ToUnsigned(share * steps + half); };
   return AsFloat(hn::Or(whole(place), hn::ShiftLeft<16>(whole(root))));
 }
 
 HWY_INLINE FacetTurn UnpackFacetTurn(VF packed) {
   const VU word = AsBits(packed);
   const VF one = Set(1.0f), step = Set(1.0f / 65535);
-  const VF place = hn::Mul(ToFloat(hn::And(word, SetU(65535))), step);
-  const VF root = hn::Mul(ToFloat(hn::ShiftRight<16>(word)), step);
-  const VF s = hn::Sub(hn::Add(place, place), one), c = hn::Sub(one, hn::Abs(s));
-  const VF over = hn::Div(one, hn::Sqrt(hn::Add(hn::Mul(s, s), hn::Mul(c, c))));
-  return {hn::Mul(c, over), hn::Mul(s, over), hn::Mul(root, root)};
+  const VF place = ToFloat(hn::And(word, SetU(65535))) * step;
+  const VF root = ToFloat(hn::ShiftRight<16>(word)) * step;
+  const VF s = place + place - one, c = one - hn::Abs(s);
+  const VF over = one / hn::Sqrt(s * s + c * c);
+  return {c * over, s * over, root * root};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -24,7 +24,7 @@ class InstanceLanes {
             hn::IfThenElseZero(rows, Load(surfaces.instance + i)))) {}
 
   HWY_INLINE VF Word(std::size_t word) const {
-    return Gather(words_, hn::Add(at_, SetU(std::uint32_t(word))));
+    return Gather(words_, at_ + SetU(std::uint32_t(word)));
   }
   // Returns row 0, 1 or 2 of the inverse transpose of the matrix.
   HWY_INLINE V3 Row(std::size_t row) const {
@@ -46,7 +46,7 @@ class InstanceLanes {
   // |M^T n| / |det M| (Nanson's formula).
   HWY_INLINE VF AreaInObject(const V3& n) const {
     const Rows m = Matrix();
-    const V3 back = Add(Add(Scale(m.r0, n.x), Scale(m.r1, n.y)), Scale(m.r2, n.z));
+    const V3 back = m.r0 * n.x + m.r1 * n.y + m.r2 * n.z;
     return hn::Sqrt(Dot(back, back));
   }
 

@@ -15,9 +15,7 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE V3 UnpackNormalTexel(VU packed) {
-  const auto field = [](VU bits, float half) HWY_ATTR {
-    return hn::Sub(hn::Mul(ToFloat(bits), Set(1 / half)), Set(1.0f));
-  };
+  const auto field = [](VU bits, float half) HWY_ATTR { return ToFloat(bits) * (1 / half) - 1.0f; };
   return {field(hn::And(packed, SetU(0x7FFu)), 1023),
           field(hn::And(hn::ShiftRight<11>(packed), SetU(0x7FFu)), 1023),
           field(hn::ShiftRight<22>(packed), 511)};
@@ -36,47 +34,43 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
     if (slopes != nullptr) {
       const VU slope = hn::ShiftLeft<kLogSlopeWords>(textured.triangle);
       const auto factor = [&](std::uint32_t word)
-                              HWY_ATTR { return Gather(slopes, hn::Add(slope, SetU(word))); };
-      seen.y = hn::Add(hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, across)), seen.y),
-                       hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, shear)), seen.x));
-      seen.x = hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, along)), seen.x);
+                              HWY_ATTR { return Gather(slopes, slope + SetU(word)); };
+      seen.y = factor(SKYWAVE_WORD(TriangleSlopes, across)) * seen.y +
+               factor(SKYWAVE_WORD(TriangleSlopes, shear)) * seen.x;
+      seen.x = factor(SKYWAVE_WORD(TriangleSlopes, along)) * seen.x;
     }
     const VU record = hn::ShiftLeft<kLogNormalMapWords>(textured.material);
-    VF scale =
-        AsFloat(Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, scale)))));
-    const VU per_texel =
-        Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, per_texel))));
+    VF scale = AsFloat(Gather(records, record + SetU(SKYWAVE_WORD(NormalMapRecord, scale))));
+    const VU per_texel = Gather(records, record + SetU(SKYWAVE_WORD(NormalMapRecord, per_texel)));
     const VF texels = TexelsALength(view, textured, s, i);
     const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
-    scale = Clamp(IfThen(of_lengths, hn::Mul(scale, texels), scale), -1e6f, 1e6f);
+    scale = Clamp(IfThen(of_lengths, scale * texels, scale), -1e6f, 1e6f);
 
     // The frame of the map lies on the outer side, about the shading normal.
     const VU at = hn::ShiftLeft<kLogTangentWords>(textured.triangle);
     const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
-    const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
+    const VF b0 = 1.0f - b1 - b2;
     const V3 t0 = DecodeNormal(Gather(tangents, at));
-    const V3 t1 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(1))));
-    const V3 t2 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(2))));
-    const VF side =
-        AsFloat(Gather(tangents, hn::Add(at, SetU(SKYWAVE_WORD(TriangleTangents, side)))));
+    const V3 t1 = DecodeNormal(Gather(tangents, at + SetU(1)));
+    const V3 t2 = DecodeNormal(Gather(tangents, at + SetU(2)));
+    const VF side = AsFloat(Gather(tangents, at + SetU(SKYWAVE_WORD(TriangleTangents, side))));
     const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
     const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
-    const V3 outer = IfThen(back, Neg(ns), ns);
-    V3 along = Add(Add(Scale(t0, b0), Scale(t1, b1)), Scale(t2, b2));
+    const V3 outer = IfThen(back, -ns, ns);
+    V3 along = t0 * b0 + t1 * b1 + t2 * b2;
     if (view.instances != nullptr) {
       along = InstanceLanes(view.instances, s, i, RowsBelow(i, n)).Direction(along);
     }
-    const V3 tangent = Sub(along, Scale(outer, Dot(outer, along)));
+    const V3 tangent = along - outer * Dot(outer, along);
     const VF length = hn::Sqrt(Dot(tangent, tangent));
     const MF usable = hn::And(hn::Gt(length, Set(1e-4f)), hn::Ne(side, hn::Zero(F())));
-    const V3 x = Scale(tangent, hn::Div(Set(1.0f), hn::Max(length, Set(1e-4f))));
-    const V3 y = Scale(Cross(outer, x), side);
-    const V3 bent =
-        Normalize(Add(Add(Scale(x, hn::Mul(seen.x, scale)), Scale(y, hn::Mul(seen.y, scale))),
-                      Scale(outer, hn::Max(seen.z, Set(1e-3f)))));
+    const V3 x = tangent * (1.0f / hn::Max(length, Set(1e-4f)));
+    const V3 y = Cross(outer, x) * side;
+    const V3 bent = Normalize(x * (seen.x * scale) + y * (seen.y * scale) +
+                              outer * hn::Max(seen.z, Set(1e-3f)));
 
     const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
-    const V3 turned = FacingBentNormal(IfThen(back, Neg(bent), bent), wo);
+    const V3 turned = FacingBentNormal(IfThen(back, -bent, bent), wo);
     Store3(IfThen(hn::And(textured.lanes, usable), turned, ns), s.ns_x + i, s.ns_y + i, s.ns_z + i);
   }
 }

@@ -33,16 +33,16 @@ HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecor
     const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
     const V3 wound = Normalize(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i));
     const MF back = hn::Lt(Dot(wound, wo), hn::Zero(F()));
-    const V3 ng = IfThen(back, Neg(wound), wound);
+    const V3 ng = IfThen(back, -wound, wound);
 
     const VF u = Load(s.u + i), v = Load(s.v + i);
-    const VF w = hn::Sub(hn::Sub(Set(1.0f), u), v);
-    V3 between = Add(Add(Scale(n0, w), Scale(n1, u)), Scale(n2, v));
+    const VF w = 1.0f - u - v;
+    V3 between = n0 * w + n1 * u + n2 * v;
     if constexpr (kInstanced) {
       between = InstanceLanes(instances, s, i, RowsBelow(i, n)).Normal(between);
     }
     const V3 smooth = Normalize(between);
-    V3 ns = IfThen(back, Neg(smooth), smooth);
+    V3 ns = IfThen(back, -smooth, smooth);
     // Where the smooth normal faces away from the eye (silhouettes of coarse meshes) or is not a
     // number, shading uses the geometric one.
     const MF usable = hn::Gt(Dot(ns, wo), Set(1e-4f));
@@ -51,15 +51,15 @@ HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecor
 
     const VF t = Load(s.t + i);
     const V3 origin = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
-    const V3 hit = Sub(origin, Scale(wo, t));
+    const V3 hit = origin - wo * t;
     VF extent = hn::Max(hn::Max(hn::Abs(hit.x), hn::Abs(hit.y)), hn::Abs(hit.z));
-    VF lift = hn::Mul(hn::Add(extent, t), lift_scale);
+    VF lift = (extent + t) * lift_scale;
     if constexpr (kInstanced) {
       const InstanceLanes instance(instances, s, i, RowsBelow(i, n));
       extent = hn::Max(extent, instance.Word(SKYWAVE_WORD(InstanceRecord, extent)));
-      lift = hn::Mul(hn::Add(extent, t), lift_scale);
+      lift = (extent + t) * lift_scale;
     }
-    const V3 lifted = Add(hit, Scale(ng, lift));
+    const V3 lifted = hit + ng * lift;
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
     static_assert(SKYWAVE_WORD(MaterialRecord, color) == 0);
@@ -95,11 +95,11 @@ void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instan
     }
     const Frame frame = MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i));
     const VF along = Dot(frame.s, tangent), across = Dot(frame.t, tangent);
-    const VF length = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(across, across)));
+    const VF length = hn::Sqrt(along * along + across * across);
     const MF usable = hn::Gt(length, Set(1e-3f));
-    const VF inverse = hn::Div(Set(1.0f), length);
-    StoreBelow(IfThen(usable, hn::Mul(along, inverse), Set(1.0f)), s.varying_0, i, n);
-    StoreBelow(IfThen(usable, hn::Mul(across, inverse), hn::Zero(F())), s.varying_1, i, n);
+    const VF inverse = 1.0f / length;
+    StoreBelow(IfThen(usable, along * inverse, Set(1.0f)), s.varying_0, i, n);
+    StoreBelow(IfThen(usable, across * inverse, hn::Zero(F())), s.varying_1, i, n);
   }
 }
 
@@ -112,11 +112,11 @@ void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const Surfac
     const VU field = hn::ShiftLeft<kLogMaterialWords>(hn::And(material, SetU(kMaterialMask)));
     const VF distance = hn::IfThenElseZero(back, Load(s.t + i));
     const auto passes = [&](std::uint32_t channel) HWY_ATTR {
-      const VU word = hn::Add(field, SetU(std::uint32_t(MaterialField::kAbsorption) + channel));
-      return Exp(hn::Neg(hn::Mul(Gather(fields, word), distance)));
+      const VU word = field + SetU(std::uint32_t(MaterialField::kAbsorption) + channel);
+      return Exp(-(Gather(fields, word) * distance));
     };
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
-    Store3(IfThen(back, Mul(throughput, {passes(0), passes(1), passes(2)}), throughput),
+    Store3(IfThen(back, throughput * V3{passes(0), passes(1), passes(2)}, throughput),
            s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
   }
 }

@@ -17,10 +17,10 @@ namespace HWY_NAMESPACE {
 // Brings a coordinate into [0, 1].
 HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
   const VF one = Set(1.0f);
-  const VF repeated = hn::Sub(u, hn::Floor(u));
-  const VF half = hn::Mul(u, Set(0.5f));
-  const VF pair = hn::Mul(Set(2.0f), hn::Sub(half, hn::Floor(half)));
-  const VF mirrored = hn::Sub(one, hn::Abs(hn::Sub(one, pair)));
+  const VF repeated = u - hn::Floor(u);
+  const VF half = u * 0.5f;
+  const VF pair = 2.0f * (half - hn::Floor(half));
+  const VF mirrored = one - hn::Abs(one - pair);
   const MF clamps = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kClamp))));
   const MF mirrors = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kMirror))));
   return IfThen(clamps, Clamp(u, 0.0f, 1.0f), IfThen(mirrors, mirrored, repeated));
@@ -30,11 +30,11 @@ HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
 // that of the second one.
 struct Neighbours {
   HWY_INLINE Neighbours(VF at, VU count, VU wrap) {
-    const VF size = ToFloat(count), last = hn::Sub(size, Set(1.0f));
+    const VF size = ToFloat(count), last = size - 1.0f;
     // Texel i has its centre at (i + 1/2) / count.
-    const VF x = hn::Sub(hn::Mul(at, size), Set(0.5f));
-    const VF low = hn::Floor(x), high = hn::Add(low, Set(1.0f));
-    share = hn::Sub(x, low);
+    const VF x = at * size - 0.5f;
+    const VF low = hn::Floor(x), high = low + 1.0f;
+    share = x - low;
     const MF repeats = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kRepeat))));
     const VF zero = hn::Zero(F());
     first = ToUnsigned(IfThen(hn::Lt(low, zero), IfThen(repeats, last, zero), low));
@@ -44,14 +44,14 @@ struct Neighbours {
   VF share;
 };
 
-HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(b, a), share)); }
+HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return a + (b - a) * share; }
 
 // Reads the words of one texture's record per lane.
 struct TextureLanes {
   HWY_INLINE TextureLanes(const TextureView& view, VU texture)
       : words(reinterpret_cast<const std::uint32_t*>(view.records)),
         at(hn::ShiftLeft<kLogTextureWords>(texture)) {}
-  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, at + SetU(field)); }
   HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
 
   const std::uint32_t* words;
@@ -65,25 +65,22 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
                           VU triangle, VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
   const VU at = hn::ShiftLeft<kLogUvWords>(triangle);
-  const auto corner = [&](std::uint32_t f)
-                          HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
-  const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
+  const auto corner = [&](std::uint32_t f) HWY_ATTR { return Gather(corners, at + SetU(f)); };
+  const VF b0 = 1.0f - b1 - b2;
   const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
-    return hn::Add(hn::Add(hn::Mul(corner(f), b0), hn::Mul(corner(f + 2), b1)),
-                   hn::Mul(corner(f + 4), b2));
+    return corner(f) * b0 + corner(f + 2) * b1 + corner(f + 4) * b2;
   };
   const VF u = interpolate(0), v = interpolate(1);
   constexpr std::uint32_t kTransform = SKYWAVE_WORD(TextureRecord, transform);
   const auto transformed = [&](std::uint32_t row) HWY_ATTR {
-    const VF along_u = hn::Mul(record.Number(row), u), along_v = hn::Mul(record.Number(row + 1), v);
-    return hn::Add(hn::Add(along_u, along_v), record.Number(row + 2));
+    const VF along_u = record.Number(row) * u, along_v = record.Number(row + 1) * v;
+    return along_u + along_v + record.Number(row + 2);
   };
   const VF tu = transformed(kTransform), tv = transformed(kTransform + 3);
 
   const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
   const VU entry = hn::ShiftLeft<kLogLevelWords>(level);
-  const auto of_level = [&](std::uint32_t f)
-                            HWY_ATTR { return Gather(levels, hn::Add(entry, SetU(f))); };
+  const auto of_level = [&](std::uint32_t f) HWY_ATTR { return Gather(levels, entry + SetU(f)); };
   const VU first = of_level(SKYWAVE_WORD(TextureLevel, first_texel)),
            columns = of_level(SKYWAVE_WORD(TextureLevel, width)),
            rows = of_level(SKYWAVE_WORD(TextureLevel, height));
@@ -92,7 +89,7 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
   const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
   const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
   const auto texel = [&](VU column, VU row) HWY_ATTR {
-    const VU place = hn::Add(first, hn::Add(hn::Mul(row, columns), column));
+    const VU place = first + (row * columns + column);
     return unpack(Gather(view.texels, place));
   };
   return Mix(Mix(texel(x.first, y.first), texel(x.second, y.first), x.share),
@@ -104,16 +101,15 @@ template <class Textured>
 HWY_INLINE VF TexelsALength(const TextureView& view, const Textured& textured,
                             const SurfaceColumns& s, std::uint32_t i) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = hn::Add(hn::ShiftLeft<kLogUvWords>(textured.triangle),
-                        SetU(SKYWAVE_WORD(TriangleUvs, density)));
+  const VU at =
+      hn::ShiftLeft<kLogUvWords>(textured.triangle) + SetU(SKYWAVE_WORD(TriangleUvs, density));
   VF density = Gather(corners, at);
   if (view.instances != nullptr) {
     const InstanceLanes instance(view.instances, s, i, hn::RebindMask(U(), textured.lanes));
     const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
-    density = hn::Mul(density, hn::Sqrt(instance.AreaInObject(ng)));
+    density = density * hn::Sqrt(instance.AreaInObject(ng));
   }
-  return hn::Mul(density,
-                 TextureLanes(view, textured.texture).Number(SKYWAVE_WORD(TextureRecord, texels)));
+  return density * TextureLanes(view, textured.texture).Number(SKYWAVE_WORD(TextureRecord, texels));
 }
 
 // Finds the lanes of rows below n whose material has a texture in word `field` of its record of
@@ -125,11 +121,11 @@ struct TexturedLanes {
     const auto* words = static_cast<const std::uint32_t*>(records);
     const MU inside = RowsBelow(i, n);
     material = hn::IfThenElseZero(inside, hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU named = Gather(words, hn::Add(hn::ShiftLeft<kLogWords>(material), SetU(field)));
+    const VU named = Gather(words, hn::ShiftLeft<kLogWords>(material) + SetU(field));
     const MU has = hn::And(inside, hn::Ne(named, hn::Zero(U())));
     any = !hn::AllFalse(U(), has);
     lanes = hn::RebindMask(F(), has);
-    texture = hn::IfThenElseZero(has, hn::Sub(named, SetU(1)));
+    texture = hn::IfThenElseZero(has, named - SetU(1));
     triangle = hn::IfThenElseZero(has, Load(s.triangle + i));
   }
   bool any;
@@ -146,14 +142,12 @@ HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pi
   const VF cosine = hn::Max(
       Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
       Set(0.01f));
-  const VF width =
-      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), TexelsALength(view, textured, s, i));
-  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
+  const VF width = Load(s.t + i) * pixel_angle * TexelsALength(view, textured, s, i);
+  const VF area = hn::Max(width * width / cosine, Set(1.0f));
   const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
-  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU last = hn::Sub(record.Word(SKYWAVE_WORD(TextureRecord, levels)), SetU(1));
-  const VU level =
-      hn::Add(record.Word(SKYWAVE_WORD(TextureRecord, first_level)), hn::Min(wanted, last));
+  const VU wanted = hn::ShiftRight<1>(exponent - SetU(127));
+  const VU last = record.Word(SKYWAVE_WORD(TextureRecord, levels)) - SetU(1);
+  const VU level = record.Word(SKYWAVE_WORD(TextureRecord, first_level)) + hn::Min(wanted, last);
   // Padding rows may hold anything, which would be no place on an image.
   const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
   const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));

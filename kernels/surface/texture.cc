@@ -23,7 +23,7 @@ void TextureColors(const TextureView& view, const MaterialRecord* materials, flo
     if (!textured.any) continue;
     const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
-    Store3(IfThen(textured.lanes, Mul(color, seen), color), s.color_r + i, s.color_g + i,
+    Store3(IfThen(textured.lanes, color * seen, color), s.color_r + i, s.color_g + i,
            s.color_b + i);
   }
 }
@@ -32,15 +32,14 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const MU inside = RowsBelow(i, n);
     const VU triangle = hn::IfThenElseZero(inside, Load(s.triangle + i));
-    const VU first = hn::Add(triangle, hn::Add(triangle, triangle));
-    const auto corner = [&](std::uint32_t c) HWY_ATTR {
-      return UnpackColor(Gather(colors, hn::Add(first, SetU(c))));
-    };
-    const VF u = Load(s.u + i), v = Load(s.v + i), w = hn::Sub(hn::Sub(Set(1.0f), u), v);
-    const V3 tint = Add(Add(Scale(corner(0), w), Scale(corner(1), u)), Scale(corner(2), v));
+    const VU first = triangle + (triangle + triangle);
+    const auto corner = [&](std::uint32_t c)
+                            HWY_ATTR { return UnpackColor(Gather(colors, first + SetU(c))); };
+    const VF u = Load(s.u + i), v = Load(s.v + i), w = 1.0f - u - v;
+    const V3 tint = corner(0) * w + corner(1) * u + corner(2) * v;
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
-    Store3(IfThen(hn::RebindMask(F(), inside), Mul(color, tint), color), s.color_r + i,
-           s.color_g + i, s.color_b + i);
+    Store3(IfThen(hn::RebindMask(F(), inside), color * tint, color), s.color_r + i, s.color_g + i,
+           s.color_b + i);
   }
 }
 
@@ -55,18 +54,17 @@ HWY_INLINE void PrepareAlphaAnd(MaterialField second_field, float least, const F
     const VU material =
         hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
     const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
-    const auto field = [&](MaterialField f) HWY_ATTR {
-      return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
-    };
+    const auto field = [&](MaterialField f)
+                           HWY_ATTR { return Gather(fields, first + SetU(std::uint32_t(f))); };
     VF alpha = field(MaterialField::kAlpha), second = field(second_field);
     if (view.records != nullptr) {
       const TexturedLanes<kLogMaterialWords> textured(
           materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
       if (textured.any) {
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
-        const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
+        const VF wider = alpha * (seen.y * seen.y);
         alpha = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), alpha);
-        const VF scaled = hn::Mul(second, factor(seen));
+        const VF scaled = second * factor(seen);
         second = IfThen(textured.lanes, Clamp(scaled, least, 1.0f), second);
       }
     }
@@ -83,7 +81,7 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
 
 void PrepareCoatWidths(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
                        std::uint32_t n, const SurfaceColumns& s) {
-  const auto width = [](const V3& seen) HWY_ATTR { return hn::Mul(seen.x, seen.x); };
+  const auto width = [](const V3& seen) HWY_ATTR { return seen.x * seen.x; };
   PrepareAlphaAnd(MaterialField::kCoatAlpha, 1e-3f, width, view, materials, pixel_angle, n, s);
 }
 
@@ -95,9 +93,8 @@ void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
     const VU material =
         hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
     const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
-    const auto field = [&](MaterialField f) HWY_ATTR {
-      return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
-    };
+    const auto field = [&](MaterialField f)
+                           HWY_ATTR { return Gather(fields, first + SetU(std::uint32_t(f))); };
     VF along = field(MaterialField::kAlpha);
     VF across = field(across_field);
     const MF nowhere = hn::Lt(across, across);
@@ -107,9 +104,9 @@ void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
           materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
       if (textured.any) {
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
-        const VF wider = hn::Mul(along, hn::Mul(seen.y, seen.y));
+        const VF wider = along * (seen.y * seen.y);
         along = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), along);
-        const VF wider_across = Clamp(hn::Mul(across, hn::Mul(seen.x, seen.x)), 1e-3f, 1.0f);
+        const VF wider_across = Clamp(across * (seen.x * seen.x), 1e-3f, 1.0f);
         const MF two = hn::And(textured.lanes, hn::Gt(across, hn::Zero(F())));
         across = IfThen(two, wider_across, across);
         written = hn::Or(written, textured.lanes);
@@ -118,7 +115,7 @@ void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
     const VF cosine = Load(s.varying_0 + i);
     const VF sine = Load(s.varying_1 + i);
     const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
-    const FacetTurn turn = {cosine, IfThen(back, hn::Neg(sine), sine), across};
+    const FacetTurn turn = {cosine, IfThen(back, -sine, sine), across};
     StoreBelow(IfThen(written, along, cosine), s.varying_0, i, n);
     StoreBelow(IfThen(written, PackFacetTurn(turn), sine), s.varying_1, i, n);
   }
@@ -137,9 +134,8 @@ void PrepareSecondColor(const TextureView& view, const MaterialRecord* materials
             IfThen(textured.lanes, LookUp(view, textured, pixel_angle, s, i, UnpackColor), color);
       }
     }
-    const auto share = [&](VF x) HWY_ATTR {
-      return ToUnsigned(hn::Add(hn::Mul(Clamp(x, 0.0f, 1.0f), Set(65535.0f)), Set(0.5f)));
-    };
+    const auto share = [&](VF x)
+                           HWY_ATTR { return ToUnsigned(Clamp(x, 0.0f, 1.0f) * 65535.0f + 0.5f); };
     const VU pair = hn::Or(share(color.x), hn::ShiftLeft<16>(share(color.y)));
     StoreBelow(AsFloat(pair), s.varying_0, i, n);
     StoreBelow(Clamp(color.z, 0.0f, 1.0f), s.varying_1, i, n);
