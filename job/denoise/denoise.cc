@@ -60,11 +60,6 @@ void SmoothNoises(const PlaneShape& shape, soa::Table<HalfPlanes> (&halves)[2]) 
 
 }  // namespace
 
-AovSet DenoiserLayers() {
-  static const AovSet layers = ParseAovs("denoiser").value();
-  return layers;
-}
-
 Denoised Denoise(const std::string& name, const Image& image,
                  std::span<const NamedChannel> layers) {
   const DenoiserInput input = FindInput(name, image, layers);

@@ -16,19 +16,9 @@
 #include <vector>
 
 #include "image/image.h"
-#include "wavefront/film/aovs.h"
+#include "job/denoise/input.h"
 
 namespace skywave {
-
-// Returns the layers that the denoiser reads, and the names of their channels.
-AovSet DenoiserLayers();
-std::vector<std::string> DenoiserChannels();
-
-// Halves of fewer samples know too little of their variance.
-inline constexpr std::uint32_t kFewestDenoiserSamples = 8;
-
-// Returns whether every pixel has enough samples in both halves. The layers are there.
-bool CanDenoise(const Image& image, std::span<const NamedChannel> layers);
 
 struct Denoised {
   Image image;

@@ -1,14 +1,9 @@
 #include "job/denoise/planes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-
-#include "base/error.h"
-#include "job/denoise/denoise.h"
 
 namespace skywave {
 namespace {
@@ -20,109 +15,7 @@ constexpr float kDepthUnit = 0.02f;  // of the distance
 // Black surfaces can be lit as well: light is not divided by less than this.
 constexpr float kDarkest = 0.02f;
 
-// A power of two scales without rounding, so a part of a picture has the bits of the whole.
-float BrightnessOf(const Image& image) {
-  double sum = 0;
-  for (const float value : image.rgb) sum += std::abs(value);
-  const double mean = sum / double(image.rgb.size());
-  int exponent = 0;
-  std::frexp(std::max(mean, 1e-30), &exponent);
-  return std::ldexp(1.0f, exponent);
-}
-
-std::span<const float> Find(const std::string& name, const Image& image,
-                            std::span<const NamedChannel> layers, std::string_view channel) {
-  const auto found = std::find_if(layers.begin(), layers.end(),
-                                  [&](const NamedChannel& layer) { return layer.name == channel; });
-  if (found == layers.end()) {
-    throw InputError(InputPosition::File(name),
-                     fmt::format("has no channel {}, which the denoiser needs; render with "
-                                 "`denoise`, or with the layers {} in `aovs`",
-                                 channel, ToString(DenoiserLayers())));
-  }
-  const std::size_t pixels = image.rgb.size() / 3;
-  if (found->values.size() != pixels) {
-    throw InputError(InputPosition::File(name), fmt::format("has {} pixels, and its channel {} {}",
-                                                            pixels, channel, found->values.size()));
-  }
-  return found->values;
-}
-
-void CheckFinite(const std::string& name, const Image& image, std::string_view channel,
-                 std::span<const float> values, std::size_t step) {
-  const auto bad =
-      std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
-  if (bad == values.end()) return;
-  const std::size_t pixel = std::size_t(bad - values.begin()) / step;
-  const std::size_t width = std::size_t(image.width);
-  throw InputError(InputPosition::File(name),
-                   fmt::format("channel {} is {} in pixel ({}, {})", channel, *bad, pixel % width,
-                               pixel / width));
-}
-
-// Returns the first pixel that has too few samples, in all or in one half, or their number.
-std::size_t FindTooFew(std::span<const float> samples, std::span<const float> half) {
-  std::size_t i = 0;
-  while (i < samples.size() && samples[i] >= kFewestDenoiserSamples && half[i] >= 2 &&
-         samples[i] - half[i] >= 2) {
-    ++i;
-  }
-  return i;
-}
-
-void CheckSamples(const std::string& name, const DenoiserInput& input) {
-  const std::size_t i = FindTooFew(input.samples, input.half_samples);
-  if (i == input.samples.size()) return;
-  const std::size_t width = std::size_t(input.image.width);
-  throw InputError(
-      InputPosition::File(name),
-      fmt::format("pixel ({}, {}) has {} samples, {} of them in one half; the denoiser needs {} or "
-                  "more, from the first sample on",
-                  i % width, i / width, input.samples[i], input.half_samples[i],
-                  kFewestDenoiserSamples));
-}
-
 }  // namespace
-
-std::vector<std::string> DenoiserChannels() {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < Aovs().size(); ++k) {
-    if ((DenoiserLayers() >> k & 1) == 0) continue;
-    for (const char letter : Aovs()[k].channels) {
-      names.push_back(fmt::format("{}.{}", Aovs()[k].name, letter));
-    }
-  }
-  return names;
-}
-
-bool CanDenoise(const Image& image, std::span<const NamedChannel> layers) {
-  const std::span<const float> samples = Find("", image, layers, "samples.V");
-  return FindTooFew(samples, Find("", image, layers, "half.N")) == samples.size();
-}
-
-DenoiserInput FindInput(const std::string& name, const Image& image,
-                        std::span<const NamedChannel> layers) {
-  const auto find = [&](std::string_view channel) {
-    const std::span<const float> values = Find(name, image, layers, channel);
-    CheckFinite(name, image, channel, values, 1);
-    return values;
-  };
-  CheckFinite(name, image, "RGB", image.rgb, 3);
-  const DenoiserInput input = {
-      .image = image,
-      .brightness = BrightnessOf(image),
-      .samples = find("samples.V"),
-      .variance = {find("variance.R"), find("variance.G"), find("variance.B")},
-      .half = {find("half.R"), find("half.G"), find("half.B")},
-      .half_samples = find("half.N"),
-      .half_variance = {find("half-variance.R"), find("half-variance.G"), find("half-variance.B")},
-      .albedo = {find("albedo.R"), find("albedo.G"), find("albedo.B")},
-      .normal = {find("shading-normal.X"), find("shading-normal.Y"), find("shading-normal.Z")},
-      .depth = find("depth.Z"),
-      .coverage = find("coverage.V")};
-  CheckSamples(name, input);
-  return input;
-}
 
 DenoiserPlanes::DenoiserPlanes(const PlaneShape& given)
     : shape(given),

@@ -1,29 +1,11 @@
 // The planes that the denoiser works on, and how a picture becomes planes.
 #pragma once
 
-#include <span>
-#include <string>
-#include <vector>
-
-#include "image/image.h"
+#include "job/denoise/input.h"
 #include "kernels/cross_filter.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
-
-// The values of the channels that the denoiser reads, one per pixel.
-struct DenoiserInput {
-  const Image& image;
-  float brightness;  // a power of two near the mean magnitude of its values
-  std::span<const float> samples;
-  std::span<const float> variance[3];
-  std::span<const float> half[3], half_samples, half_variance[3];
-  std::span<const float> albedo[3], normal[3], depth, coverage;
-};
-
-// Finds and checks them; see Denoise for errors.
-DenoiserInput FindInput(const std::string& name, const Image& image,
-                        std::span<const NamedChannel> layers);
 
 // One row is one pixel of a plane.
 struct TexturePlanes {
