@@ -8,8 +8,8 @@ namespace skywave::api {
 // Throws an Error (kUsage) with `place` and `reason` if `condition` is false.
 void Require(bool condition, const std::string& place, const std::string& reason);
 
-// Has to be called while an exception is handled. Throws an Error for an InputError and for lack of
-// memory, Canceled for RenderCanceled, and everything else as it is. The engine's exception is
+// Has to be called while an exception is handled. Throws an Error for an InputError or for lack of
+// memory, Canceled for RenderCanceled, and any other exception unchanged. The engine's exception is
 // nested in the Error (std::rethrow_if_nested).
 [[noreturn]] void RethrowTranslated();
 

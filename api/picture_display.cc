@@ -51,7 +51,7 @@ void PictureDisplay::ShowTile(const Film& film, const Tile& tile, const SampleCo
 
 std::string PictureDisplay::End(const Picture& picture) {
   const int width = picture.image.width, height = picture.image.height;
-  // The viewer has the layers that tiles have. A denoiser adds its own behind them.
+  // The viewer has the layers that tiles have. A denoiser appends its own to them.
   std::vector<NamedChannel> layers = picture.layers;
   std::erase_if(layers, [](const NamedChannel& channel) { return IsOfDenoiser(channel.name); });
   Show({0, 0, width, height}, {0, 0, width, height}, picture.image, layers);

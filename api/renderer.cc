@@ -58,7 +58,7 @@ RenderReport Report(const Renderer::State& state) {
           .adaptive = state.limits.adaptive > 0};
 }
 
-// Returns the picture of rows that have samples of `part`.
+// Returns the picture of the rows that have samples of `part`.
 Picture PictureOf(const Renderer::State& state, LayeredImage rows, const PicturePart& part) {
   Picture picture = FinishPicture(std::move(rows), state.job->options().aovs, state.identity, part,
                                   state.job->options().threads);

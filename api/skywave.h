@@ -86,7 +86,7 @@ SKYWAVE_API Image ReadImage(const std::string& path);
 struct MeshArrays {
   std::span<const float> positions;          // three per vertex
   std::span<const std::uint32_t> triangles;  // three indices of vertices per triangle
-  // Three per vertex, of any length but 0. Without normals shading is flat.
+  // Three per vertex, of any length but 0. Without normals, shading is flat.
   std::span<const float> normals = {};
   // Two per vertex, or none. (0, 0) is the top left of an image.
   std::span<const float> uvs = {};
@@ -123,17 +123,16 @@ struct RenderControl {
   std::string checkpoint = {};
   double checkpoint_seconds = 0;
   bool resume = false;  // go on from that file, if it exists, to the same bytes
-  // Asked as often as `progress` is called. If it returns the name of an EXR, the picture as it is
-  // then is written there, and to a PNG of the same name. If that fails, notes() say so behind
-  // Render.
+  // Called as often as `progress`. If it returns the name of an EXR, the current picture is written
+  // there, and to a PNG of the same name. If that fails, notes() says so after Render.
   std::function<std::string()> snapshot = {};
   // "HOST:PORT" of the viewer tev, which shows tiles and layers as they are finished, and in the
-  // end the picture. If it cannot be reached, notes() say so behind Render. Empty: nothing is
+  // end the picture. If it cannot be reached, notes() says so after Render. Empty: nothing is
   // shown.
   std::string viewer = {};
   std::string name_in_viewer = "skywave";
-  // Without it the sums behind the picture are given back on the way, where nothing needs them, and
-  // WriteFilm is refused. A picture with all layers takes half of the memory then.
+  // If false, film rows are released once they are resolved, and WriteFilm fails. With all layers
+  // this halves the memory.
   bool keep_film = true;
 };
 
@@ -214,8 +213,8 @@ struct Layer {
 // One picture of a scene.
 class SKYWAVE_API Renderer {
  public:
-  // Reads the map and builds the BVH and tables. A later change of the scene makes no difference;
-  // moving it here saves a copy. `options` are those of `skywave render`, except for strict and
+  // Reads the map and builds the BVH and tables. Later changes of the scene have no effect; moving
+  // it here saves a copy. `options` are those of `skywave render`, except for strict and
   // max-triangles, which a Scene takes, and for output, stats and quiet.
   Renderer(Scene scene, const Options& options);
   Renderer(Renderer&&) noexcept;
@@ -225,7 +224,7 @@ class SKYWAVE_API Renderer {
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
   std::uint64_t samples() const;  // of the whole picture
-  // Returns a line for each thing that was assumed, repaired or left out.
+  // Returns one line for each thing that was assumed, repaired or left out.
   const std::vector<std::string>& notes() const;
 
   // Renders the picture with the number of threads that the option "threads" gives.
@@ -253,8 +252,8 @@ class SKYWAVE_API Renderer {
   // Writes 8-bit sRGB, exposed and tone-mapped as the options say.
   void WritePng(const std::string& path) const;
   // Writes the EXR `path` and the PNG of that name. If either cannot be written, both remain what
-  // they were; only where the folder lets the PNG be replaced but not the EXR (which is immutable,
-  // say, or another's in a sticky folder), the new PNG is beside the old EXR.
+  // they were; the one exception is a folder that lets the PNG be replaced but not the EXR (because
+  // it is immutable, or another user's in a sticky folder): then the new PNG is beside the old EXR.
   void WriteExrAndPng(const std::string& path) const;
   // Returns the bytes that WritePng writes.
   std::string EncodePng() const;
@@ -285,7 +284,7 @@ SKYWAVE_API std::string Converge(Scene scene, const Options& options,
                                  const ProgressCallback& progress = {});
 
 // Returns what `skywave probe info --json` writes about a map. `projection` is a value of the
-// option "env-projection"; if it is empty, the shape of the map tells it.
+// option "env-projection"; if it is empty, it follows from the shape of the map.
 SKYWAVE_API std::string DescribeMap(const ImageArray& map, const std::string& projection = {});
 
 }  // namespace skywave::api

@@ -2,7 +2,8 @@
 //
 // Readers and table builders throw InputError; the command line catches it, prints "path:line:
 // reason" and exits with kExitBadInput. Broken invariants of the program itself are asserts, never
-// InputErrors. Nothing in kernels/ and wavefront/ throws.
+// InputErrors. Nothing in kernels/ throws; wavefront/ throws only when it checks options, and
+// RenderCanceled.
 #pragma once
 
 #include <cstddef>

@@ -105,7 +105,7 @@ std::atomic<bool> process_ends = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "handlers of signals may set this");
 
 // Makes a temporary file and locks it. RemoveLeftovers of another process may remove it before it
-// is locked; then it is made again. Not every file system has locks or tells files apart, so the
+// is locked; then it is made again. Not every file system has locks or distinguishes files, so the
 // last attempt has to do. A file that cannot be made is reported by its writer. Throws if the
 // process is about to end, whose handler may have looked for the file before it was there.
 std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
@@ -151,7 +151,7 @@ class UnfinishedFileScope {
   std::atomic<UnfinishedFile*>* place_ = nullptr;
 };
 
-// A file that is written under another name than its own. Errors tell its own.
+// A file that is written under a temporary name. Errors give its own name.
 class OutputFile {
  public:
   OutputFile(const std::string& path, const std::string& temporary)

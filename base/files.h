@@ -21,21 +21,21 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes = std::size_
 // (kExitIo) gives the reason. Links are followed; a target that is not a regular file (a pipe, a
 // terminal) is written into. `before_rename` is called when the temporary file is on disk and
 // counts as a part of the writing: if it throws, `path` remains unchanged. A second file that it
-// writes is replaced just before `path`. Only the last rename can fail then, where `path` is a
-// mount point, immutable, or another's in a sticky folder: it is the old one beside the new second
-// file.
+// writes is replaced just before `path`. Then only the last rename can fail, where `path` is a
+// mount point, immutable, or another user's file in a sticky folder: the old `path` remains, beside
+// the new second file.
 void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write,
                          const std::function<void()>& before_rename = {});
 void WriteFileAtomically(const std::string& path, std::string_view bytes);
 
-// Does so with the bytes that `write` hands on piece by piece.
+// The same for bytes that `write` passes on piece by piece.
 using PieceWriter = std::function<void(std::string_view piece)>;
 void WriteFileInPieces(const std::string& path,
                        const std::function<void(const PieceWriter& out)>& write);
 
-// Does so with a file whose first `start_bytes` bytes are known only when all others are there:
-// `write` hands on what follows them, and returns them.
+// The same for a file whose first `start_bytes` bytes are known only when all others are there:
+// `write` passes on what follows them, and returns them.
 void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
                         const std::function<std::string(const PieceWriter& out)>& write,
                         const std::function<void()>& before_rename = {});
@@ -51,15 +51,14 @@ void SyncFolderOf(const std::string& path);
 std::size_t RemoveLeftovers(std::span<const std::string> targets);
 
 // Removes the temporary files that this process is writing at the moment. A handler of a signal may
-// call it, right before the process ends: from then on what is being written fails, and so does
-// what would be.
+// call it, right before the process ends: afterwards all pending and new writes fail.
 void RemoveUnfinishedFiles() noexcept;
 
 // Throws InputError (kExitIo) unless a file could be created at `path`. It is called before a long
-// render, so that an unwritable output fails in the first second rather than the last. Removes what
-// killed writers of `path` have left.
+// render, so that an unwritable output fails in the first second rather than the last. Also removes
+// what killed writers of `path` have left.
 void CheckWritable(const std::string& path);
-// Does so for each of `paths` that is not empty, and reads each of their folders once.
+// The same for each of `paths` that is not empty; reads each of their folders once.
 void CheckAllWritable(std::span<const std::string> paths);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.
@@ -69,7 +68,7 @@ void CheckNotInput(const std::string& output, const std::string& input);
 void CheckOutputs(std::span<const std::string> outputs, std::span<const std::string> inputs);
 
 // Remembers the files that ReadFile reads on this thread while it exists: a scene names textures,
-// maps and meshes that no command line does. If there are several, the last one remembers.
+// maps and meshes that are on no command line. If there are several, the last one remembers.
 class FilesRead {
  public:
   FilesRead();

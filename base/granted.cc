@@ -144,7 +144,8 @@ class Finder {
     });
   }
 
-  // Returns the whole number that a variable has, if it is at least `low`. Notes what is none.
+  // Returns the whole number that a variable has, if it is at least `low`. Adds a note about an
+  // invalid one.
   std::optional<std::int64_t> Variable(const char* name, std::int64_t low) {
     const char* const text = environment_(name);
     if (text == nullptr) return std::nullopt;

@@ -1,5 +1,5 @@
-// How many threads and how much memory the process may use: what the machine has, less what a
-// scheduler or a container grants of it.
+// How many threads and how much memory the process may use: what the machine has, or less where a
+// scheduler or a container grants less.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct Granted {
   std::string threads_from;  // whose limit it is: "machine", or as in "SLURM_CPUS_PER_TASK"
   std::size_t memory_bytes = 0;
   std::string memory_from;         // likewise
-  std::vector<std::string> notes;  // one for each value that was ignored because it is none
+  std::vector<std::string> notes;  // one for each value that was ignored because it is invalid
 
   // Returns whether there are fewer threads than the processors that the process may run on.
   bool limits_threads() const { return threads_from != "machine"; }

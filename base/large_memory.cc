@@ -8,7 +8,7 @@
 namespace skywave {
 namespace {
 
-// Gives an advice about the whole pages of a block. It is an advice: a refusal changes nothing.
+// Advises the system about the whole pages of a block. If it declines, nothing changes.
 void AdvisePages(void* memory, std::size_t bytes, int advice) {
   const auto page = std::size_t(sysconf(_SC_PAGESIZE));
   const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(memory) % page) % page;

@@ -1,4 +1,4 @@
-// The denoiser's time per pixel, on pictures of noise without and with surfaces to tell apart.
+// The denoiser's time per pixel, on pictures of noise, without and with surfaces that differ.
 // Google Benchmark; one argument is the width of the picture, whose height is three quarters of it.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>

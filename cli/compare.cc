@@ -71,8 +71,7 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
   const char* const kNames[] = {"red", "green", "blue"};
   for (int i = 0; i < 3; ++i) {
     Print(stdout, "  {:<16}{:.4g}", fmt::format("mean {}", kNames[i]), c.mean_difference[i]);
-    // Errors of neighbours are alike where a denoiser has averaged them, and add up as nobody
-    // knows.
+    // Where a denoiser has averaged neighbours, their errors are correlated by an unknown amount.
     if (!image.denoised && !reference.denoised) Print(stdout, " +- {:.2g}", c.half_width[i]);
     Print(stdout, "\n");
   }

@@ -18,7 +18,7 @@ inline constexpr std::string_view kProgramDescription =
 // exit code of the program.
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands);
 
-// What the program prints of an exception, and its exit code.
+// What the program prints about an exception, and its exit code.
 struct ErrorDescription {
   std::string text;
   int exit_code;

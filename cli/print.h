@@ -1,6 +1,6 @@
-// Prints what the commands have to say. Nothing here throws where a stream fails: a command first
-// does its work, then RunCommandLine looks whether standard output has taken everything, and what
-// standard error does not take is lost.
+// Prints the output of commands. Nothing here throws if a stream fails: after the command has done
+// its work, RunCommandLine checks that standard output has taken everything. What standard error
+// does not take is lost.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace skywave {
 // Prints through the buffer of `file`.
 void PutText(std::FILE* file, std::string_view text);
 
-// Prints at once. That nobody reads it any more (a closed pipe) is no error.
+// Prints at once. A closed pipe, which nobody reads any more, is not an error.
 void Put(std::FILE* file, const std::string& text);
 
 // Does what fmt::print does, but throws nothing.

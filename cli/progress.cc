@@ -36,7 +36,7 @@ double Pause(ProgressForm form) {
 ProgressDisplay::ProgressDisplay(const ProgressFlags& flags, std::size_t pictures)
     : form_(FormOf(flags)), quiet_(flags.quiet), start_(Clock::now()), picture_start_(start_) {
   state_.pictures = pictures;
-  // A log begins with a line after its first pause; a program learns at once what there will be.
+  // A log gets its first line after a pause; a program learns at once what there will be.
   if (form_ == ProgressForm::kPlain) last_ = start_;
 }
 
@@ -65,7 +65,7 @@ void ProgressDisplay::Skip() {
   ++state_.pictures_done;
   state_.share = 0;
   picture_start_ = Clock::now();
-  // Programs are told of the end; people see it.
+  // Programs get a line about the end; people see it.
   const bool last = state_.pictures_done >= state_.pictures;
   Print(last && (form_ == ProgressForm::kJson || form_ == ProgressForm::kOpenJd));
 }

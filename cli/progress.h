@@ -45,12 +45,13 @@ class ProgressDisplay {
 
   // Begins the next picture, of which there are `samples`; 0: unknown.
   void Begin(const std::string& what, std::uint64_t samples);
-  // Takes the share of the current picture that is done, in [0, 1]. Prints nothing if it has just
-  // printed.
+  // Takes the share of the current picture that is done, in [0, 1]. Prints nothing if it has
+  // printed a moment ago.
   void Show(double done);
   // Ends the current picture.
   void End();
-  // Counts a picture that need not be rendered, and says nothing about the time of the others.
+  // Counts a picture that need not be rendered and so does not affect the estimated time of the
+  // others.
   void Skip();
   // Clears the bar, so that other lines can be printed; the next Show draws it again.
   void Clear();
@@ -71,7 +72,7 @@ void ShowProgress(ProgressDisplay& display, const std::string& what, std::uint64
                   const WatchedWork& work);
 
 // Returns what `work` returns. Where the form is that of Open Job Description, an error that `work`
-// throws is told there too.
+// throws is reported there too.
 int TellFailures(const ProgressFlags& flags, const std::function<int()>& work);
 
 }  // namespace skywave

@@ -128,7 +128,7 @@ void CheckOutputs(const RenderFlags& flags) {
     }
   }
   CheckAllWritable(outputs);
-  // Of snapshots it is known only later whether they are written.
+  // Whether a snapshot is written is known only later.
   const std::string snapshot = SnapshotPath(flags);
   RemoveLeftovers(std::vector<std::string>{snapshot, PngBeside(snapshot)});
 }
@@ -164,7 +164,7 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
     CatchSnapshotSignal();
     control.snapshot = [&] { return TakeSnapshotAsked() ? SnapshotPath(flags) : ""; };
   }
-  // Nobody knows how many samples go where the noise is.
+  // How many samples adaptive rendering takes is not known beforehand.
   display.Begin("", flags.limits.adaptive > 0 ? 0 : renderer.samples());
   renderer.Render(control);
   display.End();

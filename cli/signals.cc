@@ -33,7 +33,8 @@ void End(int number) {
 void KeepStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0) continue;
-    // A file gets the least number that is free. This one is open the wrong way round.
+    // A file gets the lowest free number. This one is open for the opposite direction, so using it
+    // fails.
     [[maybe_unused]] const int opened =
         ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }

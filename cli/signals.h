@@ -1,5 +1,5 @@
-// Signals ask a long render to save what it has and end, or to show it; others are errors of
-// writing, or end the process.
+// Some signals ask a long render to save what it has and end, or to show it; the others become
+// write errors or end the process.
 #pragma once
 
 namespace skywave {
@@ -10,8 +10,8 @@ namespace skywave {
 void KeepStandardStreams();
 
 // SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM and SIGXCPU (a soft limit of CPU time) end the process
-// after it has removed the files that it is writing. Those of them that it was started to ignore
-// (nohup) stay ignored.
+// after it has removed the files that it is writing. Those that it was started to ignore (nohup)
+// stay ignored.
 void EndWithoutUnfinishedFiles();
 
 // The first SIGINT or SIGTERM asks for an end; a second signal, either of them, ends the process as
@@ -25,7 +25,7 @@ bool StopAsked();
 void TakeFileLimitsAsErrors();
 
 // Writing to a pipe that nobody reads fails instead of ending the process: long commands go on
-// without those who have listened.
+// without their readers.
 void OutliveClosedPipes();
 
 // SIGUSR1 asks for a snapshot.

@@ -17,7 +17,7 @@ double Difference(float a, float b) {
 }
 
 // The ramp goes from dark violet through red to bright yellow; every step is brighter than the
-// previous one, so that the map also reads in grey.
+// previous one, so that the map is legible in grey too.
 constexpr double kRamp[][3] = {{0.00, 0.00, 0.02}, {0.15, 0.04, 0.36}, {0.42, 0.08, 0.43},
                                {0.70, 0.16, 0.34}, {0.90, 0.34, 0.18}, {0.98, 0.64, 0.10},
                                {0.99, 0.99, 0.65}};

@@ -124,8 +124,8 @@ void RequireLayers(const std::string& path, const std::vector<std::string>& want
   }
 }
 
-// Colours need no more than the digits of 16 bits; what is measured in other units might, and so
-// does what is subtracted from a colour.
+// The precision of 16 bits is enough for colours, but perhaps not for quantities in other units,
+// and not for what is subtracted from a colour.
 bool MayBeHalf(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   const std::string letter = dot == std::string::npos ? name : name.substr(dot + 1);
@@ -195,8 +195,8 @@ std::string ChunksOf(const std::string& path, Imf::Header header,
   return stream.bytes().substr(begin);
 }
 
-// Appends the offsets of the chunks of a strip that lies `before` bytes behind the start of a file.
-// A chunk is its first row and its size, 4 bytes each, and as many bytes.
+// Appends the offsets of the chunks of a strip that begins `before` bytes after the start of a
+// file. A chunk is its first row and its size, 4 bytes each, and as many bytes.
 void AppendOffsets(std::string_view strip, std::uint64_t before,
                    std::vector<std::uint64_t>& offsets) {
   for (std::size_t at = 0; at < strip.size();) {
@@ -293,9 +293,9 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
   std::sort(channels.begin(), channels.end(),
             [](const WrittenChannel& a, const WrittenChannel& b) { return a.name < b.name; });
 
-  // Chunks are compressed in strips. The library does so by a file of its own in memory for each,
-  // because a file alone would compress them one after the other unless the whole program had
-  // threads of OpenEXR's.
+  // Chunks are compressed in strips. The library compresses each strip as a file of its own in
+  // memory, because a single file would compress them one after the other unless the whole program
+  // had threads of OpenEXR's.
   const int rows = int(std::max<std::int64_t>(RowsPerChunk(format.compression), 16));
   const auto strips = std::size_t((image.height + rows - 1) / rows);
   const auto failed = [&](const std::exception& error) {

@@ -30,7 +30,7 @@ std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bo
 }
 
 // Walks through the table after the header, with one call of CheckNext per chunk in table order.
-// Then Decode has the chunks decoded, when all are known to be where they belong.
+// Then Decode decodes the chunks, once all are known to be where they belong.
 class ChunkChecker {
  public:
   ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header,

@@ -201,7 +201,7 @@ class HeaderParser {
       channel.sub_sampled = x_sampling != 1 || y_sampling != 1;
       header_.channels.push_back(std::move(channel));
     }
-    if (value.left() > 0) value.Fail("bytes behind the channel list");
+    if (value.left() > 0) value.Fail("bytes after the channel list");
     if (names.empty()) value.Fail("an EXR without channels");
   }
 

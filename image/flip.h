@@ -22,8 +22,8 @@ struct Flip {
 };
 
 // Returns FLIP of two pictures of the same size on a screen, whose values are linear light in
-// [0, 1]; values outside of the range are clamped, and NaN counts as 0. Both pictures play the same
-// part. Throws InputError for different sizes.
+// [0, 1]; values outside of the range are clamped, and NaN counts as 0. The measure is symmetric in
+// both pictures. Throws InputError for different sizes.
 Flip LdrFlip(const Image& image, const Image& reference,
              double pixels_per_degree = kFlipPixelsPerDegree);
 

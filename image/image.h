@@ -62,7 +62,7 @@ enum class Encoding { kSrgb, kLinear, kAlpha };
 // picture), or one of the formats of ReadImage. An alpha channel is left out, except for kAlpha;
 // JPEG, Radiance RGBE and PFM have alpha 1. Errors are those of ReadImage.
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits = {});
-// Decodes the same from memory; `name` appears in messages, and may end in .tga.
+// The same from memory; `name` appears in messages, and may end in .tga.
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits = {});
 

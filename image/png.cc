@@ -37,7 +37,7 @@ int Paeth(int left, int above, int corner) {
 }
 
 // Returns the rows [first, last), each as the differences by the filter for which the sum of their
-// sizes is least, behind the number of that filter.
+// sizes is least, after the number of that filter.
 std::vector<std::uint8_t> FilteredRows(int width, int first, int last, const std::uint8_t* rgb) {
   constexpr std::size_t kPixel = 3;
   const std::size_t bytes = std::size_t(width) * kPixel;
@@ -98,9 +98,9 @@ PngBand Deflated(const std::vector<std::uint8_t>& filtered, bool is_last) {
   return band;
 }
 
-// Returns the file without its chunks gAMA, which libpng's simplified interface would apply: what
-// reads textures (pbrt, glTF) takes the numbers of the file for sRGB or for themselves, whatever it
-// says. Anything that is no list of chunks stays as it is.
+// Returns the file without its chunks gAMA, which libpng's simplified interface would apply:
+// readers of textures (pbrt, glTF) take the numbers of the file as sRGB or as they are, whatever
+// gamma the file gives. Anything that is no list of chunks stays as it is.
 std::string WithoutGamma(std::string_view bytes) {
   constexpr std::size_t kSignature = 8, kFrame = 12;  // length, type and checksum of a chunk
   std::string kept(bytes.substr(0, kSignature));

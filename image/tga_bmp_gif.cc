@@ -25,12 +25,12 @@ namespace {
 static_assert(ReadLimits{}.max_width <= STBI_MAX_DIMENSIONS &&
               ReadLimits{}.max_height <= STBI_MAX_DIMENSIONS);
 
-// stb_image takes zeros, or whatever was in memory, for what a file lacks. So the bytes are handed
+// Where a file ends early, stb_image takes zeros or whatever was in memory. So the bytes are handed
 // to it piece by piece, which shows whether it needed more than there are.
 struct Source {
   std::string_view left;
   const char* ahead = nullptr;  // where stb_image reads ahead to, more than it may need
-  bool ended = false;           // bytes were needed behind the end
+  bool ended = false;           // bytes were needed beyond the end
 };
 
 int ReadSource(void* user, char* to, int size) {

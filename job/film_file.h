@@ -42,7 +42,7 @@ struct FilmInFile {
 };
 FilmInFile ReadFilm(const std::string& path);
 
-// Does the same from memory; `path` is for messages.
+// The same from memory; `path` is for messages.
 FilmInFile ParseFilm(std::string_view bytes, const std::string& path);
 
 }  // namespace skywave

@@ -86,7 +86,7 @@ AovSet LayersForLimits(const RenderLimits& limits, Integrator integrator) {
       (descriptor.has_splats || descriptor.stores != StoredLight::kNothing)) {
     throw OptionError("adaptive", fmt::format("{}", limits.adaptive),
                       fmt::format("pixels of `integrator {}` share the light that was stored or "
-                                  "splatted, so their samples do not tell their error; use "
+                                  "splatted, so their samples do not show their error; use "
                                   "`integrator path` or `integrator direct`",
                                   ToString(integrator)));
   }

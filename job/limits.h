@@ -31,7 +31,7 @@ Codec<SampleRange> SampleRanges();
 // OptionError if the picture does not have them.
 SampleRange ChooseSamples(const RenderLimits& limits, std::uint32_t samples_per_pixel);
 
-// Returns the layers that a film needs so that its noise is known. Throws OptionError where the
+// Returns the layers that a film needs for its noise to be known. Throws OptionError where the
 // noise is to be limited and splats have no variance, and where blocks are to end apart and pixels
 // share light paths.
 AovSet LayersForLimits(const RenderLimits& limits, Integrator integrator);

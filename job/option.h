@@ -42,8 +42,8 @@ struct OptionInfo {
   std::string_view help;              // half a sentence
   OptionScope scope = OptionScope::kOutput;
   // Arguments that try the option on a scene of the tests, together with what it needs, e.g.
-  // "--split 2 --continuation-strategy uniform", and behind the name of a scene where it needs
-  // another one. An option that changes pixels has to have one.
+  // "--split 2 --continuation-strategy uniform", after the name of a scene where it needs another
+  // one. An option that changes pixels has to have one.
   std::string_view example = {};
   std::string_view default_text = {};  // where no field has a default value to print
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
@@ -94,12 +94,12 @@ BoundOption Bind(const OptionOf<Request>& option, const std::shared_ptr<Request>
 void SetOption(std::span<const BoundOption> options, const std::string& name,
                const std::string& text);
 
-// Does so for each name and value; the last value of a name counts. Throws OptionError also where
+// The same for each name and value; the last value of a name counts. Throws OptionError also where
 // an option is given without another one that it needs, or with one that it excludes.
 void SetOptions(std::span<const BoundOption> options,
                 const std::vector<std::pair<std::string, std::string>>& values);
 
-// How text becomes a value and back. `parse` returns nothing for text that is none.
+// How text becomes a value and back. `parse` returns nullopt for invalid text.
 template <class Value>
 struct Codec {
   std::string values;            // what a value is: "a|b|c", or half a sentence
@@ -228,14 +228,15 @@ OptionOf<Request> OptionOfField(const OptionInfo& info, Target& (*field)(Request
 }
 
 // The same of the field that `field`, a generic lambda, finds. Each lambda is a type of its own;
-// behind a function pointer, options are compiled once per type of field and not once per field.
+// called through a function pointer, options are compiled once per type of field and not once per
+// field.
 template <class Request, class Field, class Value>
 OptionOf<Request> MakeOption(const OptionInfo& info, Field field, const Codec<Value>& codec) {
   using Target = std::remove_reference_t<decltype(field(std::declval<Request&>()))>;
   return OptionOfField<Request, Target, Value>(info, field, codec);
 }
 
-// Does so for the options of one request, whose type is named once.
+// The same for the options of one request, whose type is named once.
 template <class Request>
 struct OptionMaker {
   template <class Field, class Value>

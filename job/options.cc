@@ -28,7 +28,7 @@ constexpr std::string_view kLight = "Light", kCamera = "Camera", kMaterials = "M
                                "Virtual lights and irradiance cache (vpl, irradiance-cache)",
                            kReading = "Reading", kSpeedGroup = "Speed";
 
-// `count` numbers with the character `separators[i]` behind number i; 0: the text ends.
+// `count` numbers with the character `separators[i]` after number i; 0: the text ends.
 template <class Number>
 bool ParseTuple(const std::string& text, const char* separators, int count, Number* values) {
   const char *next = text.data(), *const end = next + text.size();
@@ -117,7 +117,7 @@ OptionOf<JobRequest> SizeOption(OptionInfo info) {
   return option;
 }
 
-// An option that scene files do not know.
+// An option that scene files cannot set.
 template <class Field, class Value>
 JobOption Plain(const OptionInfo& info, Field field, const Codec<Value>& codec) {
   return {MakeOption<JobRequest>(info, field, codec), nullptr};
@@ -249,9 +249,9 @@ std::vector<JobOption> MakeJobOptions() {
 
     FromScene({.name = "max-depth", .group = kPaths, .help = "surfaces at which a path scatters, at most", .scope = kPixels, .example = "--max-depth 2"},
           FIELD(max_depth), Numbers(0u, kMaxDepth)),
-    Plain({.name = "split", .group = kPaths, .help = "continuations of a path behind its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = Splits},
+    Plain({.name = "split", .group = kPaths, .help = "continuations of a path after its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = Splits},
           FIELD(options.split), Unless(0u, Numbers(1u, 1u << 16))),
-    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples behind the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
+    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples after the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
           FIELD(continuation_strategy), Texts("a strategy")),
     Plain({.name = "guide", .group = kPaths, .help = "light paths from the map start where a pilot of camera paths needed them", .scope = kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
           FIELD(options.guide), Switches()),
@@ -277,7 +277,7 @@ std::vector<JobOption> MakeJobOptions() {
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
 
-    Plain({.name = "vpls", .group = kRadiosity, .help = "virtual point lights of each sample, in the mean", .scope = kPixels, .example = "--integrator vpl --vpls 9", .applies = HasVirtualLights},
+    Plain({.name = "vpls", .group = kRadiosity, .help = "virtual point lights of each sample, on average", .scope = kPixels, .example = "--integrator vpl --vpls 9", .applies = HasVirtualLights},
           FIELD(options.virtual_lights.count), Numbers(1u, kMostVirtualLights)),
     Plain({.name = "vpl-distance", .group = kRadiosity, .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights", .applies = HasVirtualLights},
           FIELD(options.virtual_lights.distance), Unless(-1.0f, Floats(0, 1e12))),
@@ -355,7 +355,7 @@ std::vector<RecordedOption> RecordedOptions(const JobRequest& resolved) {
   std::vector<RecordedOption> recorded;
   for (const JobOption& option : JobOptions()) {
     const bool applies = option.applies == nullptr || option.applies(integrator);
-    // What changes pixels is told even where it has its default, which may change one day.
+    // What changes pixels is printed even where it has its default, which may change one day.
     const bool decides =
         option.scope == OptionScope::kPixels ||
         (option.scope == OptionScope::kInput && option.get(resolved) != option.get(defaults));

@@ -17,13 +17,13 @@
 namespace skywave {
 namespace {
 
-// What the options are called that give pixels different numbers of samples, or how they begin.
+// The names, or the beginnings of names, of options that give pixels different numbers of samples.
 constexpr std::string_view kAdaptive = "adaptive";
 
 // An attribute of the EXR: the stops of an automatic exposure.
 constexpr std::string_view kPngExposure = "pngExposure";
 
-// The options that tell a part from the whole.
+// The options that distinguish a part from the whole.
 bool IsOfPart(const RecordedOption& option) {
   return option.name == "crop" || option.name == "sample-range";
 }

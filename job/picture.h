@@ -34,7 +34,7 @@ struct PictureIdentity {
   std::vector<RecordedOption> options;  // in the order of the tables, without those of the part
 };
 
-// Returns the identity of the picture of a job. Not repeatable: no file has its scene. Of the
+// Returns the identity of the picture of a job. If not repeatable, no file has its scene. Of the
 // limits, those count that give pixels different numbers of samples.
 PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
                            const RenderLimits& limits = {});
@@ -52,7 +52,7 @@ std::string RepeatCommand(const PictureIdentity& identity, const PicturePart& pa
 // Returns the value in the words of an option, or "not given" where there are none.
 std::string ValueOf(const RecordedOption& option);
 
-// Returns half a sentence that tells how two pictures differ, "`spp` is 4 here and 8 there", or
+// Returns half a sentence that says how two pictures differ, "`spp` is 4 here and 8 there", or
 // nothing if they are the same. Names of files do not matter, what is in them does.
 std::string Difference(const PictureIdentity& here, const PictureIdentity& there);
 
@@ -74,21 +74,21 @@ struct Picture {
   ExrFormat format;  // its number of threads is that of the PNG, too
 };
 
-// Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
-// `layers` are those to show. A picture that is denoised has the layers "noisy" and "error" too;
-// one of too few samples, as a look at a render that has only begun, stays noisy, with a note.
+// Returns the picture that `film` holds. `part` names its samples; `samples` counts them. `layers`
+// are those to show. A picture that is denoised has the layers "noisy" and "error" too; one of too
+// few samples, such as a snapshot of a render that has only begun, stays noisy, with a note.
 // `threads` are those of the denoiser; 0: as many as the process may use.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part, int threads = 0);
 
-// A picture whose rows are resolved one after the other, so that its film may forget them.
+// A picture whose rows are resolved one after the other, so that its film may free them.
 class PictureRows {
  public:
   // `layers` are those to show.
   PictureRows(AovSet layers, const PictureIdentity& identity);
-  // Resolves rows [first, end). Threads may do so with different rows at the same time.
+  // Resolves rows [first, end). Several threads may call this with different rows at the same time.
   void Add(const Film& film, const SampleCounts& samples, int first, int end);
-  // Returns the picture as it is: the rows that are not there yet are those of `film`. Nothing may
+  // Returns the current picture: the rows that are not there yet are those of `film`. Nothing may
   // be added meanwhile.
   LayeredImage With(const Film& film, const SampleCounts& samples) const;
   // Returns the picture when all rows are there.
@@ -105,8 +105,8 @@ class PictureRows {
 Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentity& identity,
                       const PicturePart& part, int threads = 0);
 
-// Exposes the PNG. An automatic exposure is told by a note and by the metadata, and by these
-// IsExposedAutomatically knows the pictures that have one.
+// Sets the exposure of the PNG. An automatic exposure is recorded in notes and metadata, where
+// IsExposedAutomatically finds it.
 void Expose(const ExposureRequest& resolved, Picture& picture);
 bool IsExposedAutomatically(const Metadata& metadata);
 

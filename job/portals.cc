@@ -58,7 +58,7 @@ std::vector<Portal> PortalsOfText(const std::string& text, Scene& scene) {
   return portals;
 }
 
-// Whether any of the portals has a part of the scene where its light goes.
+// Whether the light of any portal reaches a part of the scene.
 bool LightAnything(const std::vector<Portal>& portals, const Scene& scene) {
   const std::vector<Bounds> instances = InstanceBounds(scene);
   for (const Portal& portal : portals) {

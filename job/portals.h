@@ -9,7 +9,7 @@
 namespace skywave {
 
 // Adds portals to the scene: each text is twelve numbers X,Y,Z,..., four corners (scene/portals.h),
-// or the name of a mesh, which is then no surface any more. Throws OptionError for a text that is
+// or the name of a mesh, which then is no longer a surface. Throws OptionError for a text that is
 // neither, for corners of no rectangle, for portals from which no part of the scene is lit, and
 // where there are too many.
 void AddPortals(const std::vector<std::string>& texts, Scene& scene);

@@ -48,7 +48,7 @@ struct JobRequest {
   bool ground = false;  // a plane under the scene
   ReadOptions read;
   std::vector<std::string> materials;  // changes, see job/material_changes.h
-  // False: rough conductors and glass lose the light that their facets would scatter more than
+  // If false, rough conductors and glass lose the light that their facets would scatter more than
   // once.
   bool energy_compensation = true;
   EnvironmentRequest environment;

@@ -165,8 +165,9 @@ void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes
 void CheckDenoised(const RenderOptions& options) {
   const auto refuse = [](const std::string& why) { throw OptionError("denoise", "", why); };
   if (options.samples_per_pixel < kFewestDenoiserSamples) {
-    refuse(fmt::format("{} samples per pixel tell too little of their noise: give `spp {}` or more",
-                       options.samples_per_pixel, kFewestDenoiserSamples));
+    refuse(
+        fmt::format("{} samples per pixel say too little about their noise: give `spp {}` or more",
+                    options.samples_per_pixel, kFewestDenoiserSamples));
   }
   if (options.max_depth == 0) refuse("at `max-depth 0` no surface is looked at");
   if (Describe(options.integrator).has_splats) {

@@ -31,8 +31,8 @@ struct Session {
   Clock::time_point last_checkpoint = start;
   bool checkpoint_due = false, snapshot_due = false;  // for the next pause
   SampleCounts of_step = 0;                           // in the tiles that it has finished
-  bool forgets = false;               // the film forgets the rows that the request has got
-  std::vector<NoiseSums> noise = {};  // by row of the picture, of a film that forgets
+  bool forgets = false;               // the film frees the rows that the request has received
+  std::vector<NoiseSums> noise = {};  // by row of the picture, of a film that frees rows
   // Pixels of a row that are to come, by the first rows of tiles.
   std::unique_ptr<std::atomic<int>[]> missing = {};
   std::vector<std::string> notes = {};
@@ -63,7 +63,7 @@ void SaveCheckpoint(Session& session) {
             session.film);
 }
 
-// The checkpoint before stays where this one cannot be written.
+// If this checkpoint cannot be written, the one before stays.
 void SaveCheckpointOnTheWay(Session& session) {
   try {
     SaveCheckpoint(session);
@@ -74,7 +74,7 @@ void SaveCheckpointOnTheWay(Session& session) {
   }
 }
 
-// Saves what an error has left, without an error of its own, if there is anything.
+// Saves what was rendered before an error, if anything; does not throw.
 void SaveCheckpointAfterError(Session& session) {
   const RenderState& state = session.state;
   const bool is_empty = state.step.first == session.part.samples.first &&
@@ -159,8 +159,8 @@ bool KeepsVariance(const Session& session) {
   return Sums(session.film.layout().aovs, AovSum::kVariance);
 }
 
-// Called by the thread that has finished a tile of the last step. The last tile beside others hands
-// their rows on.
+// Called by the thread that has finished a tile of the last step. The last of the tiles side by
+// side passes on their rows.
 void FinishTile(Session& session, const Tile& tile, const SampleCounts& samples) {
   const int width = int(tile.width), first = int(tile.y), end = first + int(tile.height);
   if (session.missing[tile.y].fetch_sub(width) != width) return;
@@ -185,7 +185,7 @@ void Pause(Session& session) {
   if (std::exchange(session.checkpoint_due, false)) SaveCheckpointOnTheWay(session);
 }
 
-// Called by the watching thread: asks for a pause where there is something to do.
+// Called by the watching thread: requests a pause if there is something to do.
 void AskForPause(Session& session, Progress& progress) {
   if (progress.pause) return;  // the last one is not over
   const SessionRequest& request = session.request;
@@ -197,7 +197,7 @@ void AskForPause(Session& session, Progress& progress) {
   if (session.snapshot_due || session.checkpoint_due) progress.pause = true;
 }
 
-// Has tiles told with what their pixels have when the film holds all samples before `end`.
+// Has finished tiles reported once the film holds all samples before `end`.
 void CountSamplesOfStep(Session& session, const FrameView& frame, std::uint32_t end) {
   if (!session.request.on_tile) return;
   session.of_step = SamplesByPixel(
@@ -286,7 +286,7 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
     if (!request.checkpoint.path.empty()) SaveCheckpoint(session);
     throw;
   } catch (...) {
-    // Whatever ended the render, the state tells what the film holds.
+    // Whatever ended the render, the state describes what the film holds.
     if (!request.checkpoint.path.empty()) SaveCheckpointAfterError(session);
     throw;
   }

@@ -24,24 +24,24 @@ struct CheckpointRequest {
 struct SessionRequest {
   RenderLimits limits;
   CheckpointRequest checkpoint;
-  // Told about ten times a second by the thread that runs the session. If it returns false or
+  // Called about ten times a second by the thread that runs the session. If it returns false or
   // throws, the session saves a checkpoint, if it keeps any, and throws RenderCanceled or that.
   Teller tell;
-  // Asked as often. If it returns true, `show` gets the film as it is, with all threads at rest.
+  // Called as often. If it returns true, `show` gets the current film, with all threads at rest.
   std::function<bool()> wants_snapshot;
   std::function<void(const Film& film, const SampleCounts& samples)> show;
   // Called by the thread that has finished a tile of a step, of which `film` then holds `samples`
   // (RenderControl::on_tile).
   std::function<void(const Film& film, const Tile& tile, const SampleCounts& samples)> on_tile;
-  // Where it is set, gets all rows [first, end) of the picture once, when they have all of their
-  // samples, from any thread. Where nothing else needs them, the film forgets them behind that.
+  // If set, gets all rows [first, end) of the picture once, when they have all of their samples,
+  // from any thread. If nothing else needs them, the film then frees them.
   std::function<void(const Film& film, const SampleCounts& samples, int first, int end)> on_rows;
 };
 
 // What a session has rendered.
 struct RenderedFilm {
   Film film;
-  bool has_film = true;  // else the film has forgotten its rows
+  bool has_film = true;  // else the film has freed its rows
   PicturePart part;
   SampleCounts samples;  // of the pixels of the film; those of the part are the most
   FrameResult frame;
@@ -50,10 +50,10 @@ struct RenderedFilm {
   std::optional<double> noise;     // Film::Noise, if the film keeps the variance
 };
 
-// Renders. `identity` is that of the job's picture. A checkpoint that is there at the end stays
-// until the caller has written what was rendered. Throws InputError for a checkpoint of something
-// else, and RenderCanceled. A checkpoint on the way that cannot be written is a note; one at a stop
-// is the error, but one after an error does not hide that.
+// Renders. `identity` is that of the job's picture. A checkpoint that exists at the end stays until
+// the caller has written what was rendered. Throws InputError for a checkpoint of something else,
+// and RenderCanceled. If a checkpoint cannot be written, that is a note while rendering and the
+// error at a stop; after an error, that error is thrown instead.
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request);
 

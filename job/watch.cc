@@ -17,7 +17,7 @@ void Watch(Progress& progress, std::uint64_t total, const WatchedWork& work, con
   std::future<void> end = std::async(std::launch::async, [&] { work(progress); });
   std::exception_ptr failure;
   while (end.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
-    if (progress.cancel) continue;  // the work is about to notice
+    if (progress.cancel) continue;  // the work will notice soon
     try {
       const std::uint64_t expected = total - std::min<std::uint64_t>(progress.spared, total);
       const double done = double(progress.samples) / double(std::max<std::uint64_t>(expected, 1));

@@ -18,7 +18,7 @@ using Teller = std::function<bool(double done)>;
 // ten times a second from the calling thread. Once the work has ended, throws what the work threw,
 // else what `tell` threw, else RenderCanceled if `tell` returned false.
 void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell);
-// Does so with a Progress that `tell` may know too.
+// The same with a Progress that `tell` may use too.
 void Watch(Progress& progress, std::uint64_t total, const WatchedWork& work, const Teller& tell);
 
 }  // namespace skywave

@@ -51,7 +51,7 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
   const VF zero = hn::Zero(F());
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   for (std::uint32_t i = 0; i < n; i += lanes) {
-    // Occlusion is as good as random, so adding a zero is cheaper than branching on it.
+    // Occlusion is as unpredictable as random numbers, so adding a zero is cheaper than a branch.
     const MF seen = hn::Ge(Load(lights.t_far + i), zero);
     if (hn::AllFalse(F(), seen)) continue;
     const V3 gain =

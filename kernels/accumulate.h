@@ -44,8 +44,8 @@ struct FilmCounts {
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums, bool shared = false);
 
-// Does the same for splats: adds `factor` times r, g, b of those rows [0, n) whose ray arrived
-// (t_far >= 0) to pixel[row], which other threads may do meanwhile.
+// The same for splats: adds `factor` times r, g, b of those rows [0, n) whose ray arrived (t_far >=
+// 0) to pixel[row], which other threads may do meanwhile.
 FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
                            float factor, const FilmScale& scale, std::uint64_t* sums);
 
@@ -56,9 +56,9 @@ using Uint128 = unsigned __int128;
 void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                       Uint128* sums);
 
-// The samples of a pixel have two halves, which a denoiser holds against each other: blocks of four
-// samples, which are stratified among themselves, are dealt in the order of Thue and Morse, so that
-// any 8 * 2^k first samples have equal halves.
+// The samples of a pixel have two halves, which a denoiser compares: blocks of four samples, which
+// are stratified among themselves, are dealt in the order of Thue and Morse, so that any 8 * 2^k
+// first samples have equal halves.
 inline bool IsInSecondHalf(std::uint32_t sample) { return (std::popcount(sample >> 2) & 1) != 0; }
 
 // Sums of the second halves: their number by pixel, and their units and squares, three per pixel.
@@ -78,7 +78,7 @@ constexpr Unsigned SaturatingSum(Unsigned a, Unsigned b) {
   const Unsigned sum = a + b;
   return sum < a ? ~Unsigned{0} : sum;
 }
-// Does the same where other threads add too.
+// The same where other threads add too.
 inline void AddSaturating(std::uint64_t& sum, std::uint64_t value) {
   const std::atomic_ref<std::uint64_t> shared(sum);
   std::uint64_t seen = shared.load(std::memory_order_relaxed);

@@ -3,7 +3,7 @@
 // A stage that needs a column for a moment takes one of a table that is idle then, so that a wave
 // stays within the cache. A view says what the column means meanwhile and which stage holds it. In
 // builds with SKYWAVE_CHECKS the program aborts if two views of a thread hold the same memory, and
-// a view that ends fills its columns with poison, so that later reads of them are found out. In
+// a view that ends fills its columns with poison, so that later reads of them are detected. In
 // other builds a view is its pointers and nothing else.
 #pragma once
 

@@ -3,8 +3,8 @@
 // wavefront/soa.h owns the memory; kernels and stages take these structs as they are.
 //
 // Every column is aligned to kColumnAlignment and has room for PaddedRows(rows) values: kernels run
-// over whole vectors and may write anything into the padding behind the last row, and nobody looks
-// at what they compute from it.
+// over whole vectors and may write anything into the padding after the last row, and nothing reads
+// what they compute from it.
 #pragma once
 
 #include <cstddef>
@@ -146,10 +146,11 @@ struct SurfaceColumns {
   float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
   float *color_r, *color_g, *color_b;  // reflectance at the hit
   // The distance between the hit and org. It is negative where org lies behind the surface, because
-  // a BSDF that transmits has put it on the side of the light sample at hand.
+  // a BSDF that transmits has put it on the side of the current light sample.
   float* lift;
   std::uint32_t* material;  // row in MaterialTable | kBackFace
-  // The light strategy keeps a number of the row here, from its samples to the rays that leave it.
+  // The light strategy may keep a number here, from the light samples of the row to the rays that
+  // leave it.
   float* light_norm;
   // The parameters of the row's BSDF that vary over a surface; BsdfTraits::varying says which.
   float *varying_0, *varying_1;
@@ -176,8 +177,8 @@ struct SurfaceRanges {
   std::uint32_t light_sampled() const { return begin[kFirstDeltaBsdf]; }
 };
 
-// The density of samples of the scene's lights without extent. It is no infinity, so that they are
-// told from lights that stand for a part of a map.
+// The density of samples of the scene's lights without extent. It is finite, which distinguishes
+// them from lights that stand for a part of a map.
 inline constexpr float kPunctual = std::numeric_limits<float>::max();
 
 // One row is one light sample, and then one shadow ray, of the surface in the same row. The

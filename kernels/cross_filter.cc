@@ -14,18 +14,18 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A weight falls by the distance z beyond that of equal pixels, and ends at kLimit: e^-z, as a
-// power that has an end.
+// A weight falls with the distance z beyond that of equal pixels and is 0 from kLimit on: e^-z,
+// approximated by a power that reaches 0.
 constexpr float kTolerated = 0.5f;
 constexpr float kLimit = 8;
-// A single pair that is further apart than this is not averaged, whatever its neighbours say.
+// A pair further apart than this is not averaged, whatever its neighbours say.
 constexpr float kFarApart = 4;
-// A pixel may be this much noisier without weighing less.
+// A pixel may be this many times noisier before it weighs less.
 constexpr float kNoisier = 2;
 constexpr float kNoNoise = 1e-20f;
-// Differences of neighbours are alike once they are filtered, so their mean is one of few
-// independent numbers, and intervals have to be wider. Fitted, so that they hold what they say
-// (docs/denoising.md).
+// Differences of neighbours are correlated once they are filtered, so their mean is one of few
+// independent numbers and intervals have to be wider. The factor is fitted so that intervals cover
+// what they claim (docs/denoising.md).
 constexpr float kFewNumbers = 1.4f;
 
 // A tile with two more pixels on each side, and room for whole vectors.
@@ -91,7 +91,8 @@ HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, std::size_t
                     Load3(f.normal_x + j, f.normal_y + j, f.normal_z + j);
   const V3 albedo = Load3(f.albedo_r + i, f.albedo_g + i, f.albedo_b + i) -
                     Load3(f.albedo_r + j, f.albedo_g + j, f.albedo_b + j);
-  // A plane's depth changes from pixel to pixel; what counts is how far j is from the plane of i.
+  // The depth of a plane changes from pixel to pixel, so the distance of j from the plane of i
+  // counts.
   const VF slope = Load(f.depth_dx + i) * dx + Load(f.depth_dy + i) * dy;
   const VF depth = Load(f.depth + j) - Load(f.depth + i) - slope;
   const VF of_surface = Dot(normal, normal) + Dot(albedo, albedo) + depth * depth;
@@ -131,7 +132,7 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
     sum(a.weight, weight);
     sum(a.noise, weight * weight * Load(from.noise + j));
   };
-  // A pixel is as good as equal to itself.
+  // A pixel equals itself.
   for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
     for (int half = 0; half < 2; ++half) {
       Averages& a = averages[half];

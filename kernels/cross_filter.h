@@ -1,4 +1,4 @@
-// These kernels average the pixels of a picture that cannot be told apart: a statistical denoiser.
+// These kernels average pixels that are equal within their noise: a statistical denoiser.
 //
 // The samples of a pixel come in two halves. Whether pixel j may be averaged with pixel i is
 // decided by one half, and what is averaged are the values of the other: so a pixel is not chosen
@@ -9,8 +9,8 @@
 //   z = |c_i - c_j|^2 / (v_i + v_j),
 //
 // whose expectation is 1 for equal pixels, and its mean over 3 x 3 such pairs around i and j. A
-// pixel that is much noisier than i has little to say about i and weighs less, by the ratio of
-// variances; geometry and textures are held against each other by features that have little noise.
+// pixel that is much noisier than i says little about i and weighs less, by the ratio of variances;
+// geometry and textures are compared by features that have little noise.
 #pragma once
 
 #include <cstddef>
@@ -43,8 +43,8 @@ struct HalfPlanes {
   }
 };
 
-// Features, in units of the difference that makes two pixels strangers. The rim is in no way like
-// the picture: its coverage is far away.
+// Feature differences, in units of the rejection threshold. Border pixels get a coverage that never
+// matches.
 inline constexpr float kCoverageUnit = 0.15f;
 struct FeaturePlanes {
   float *normal_x, *normal_y, *normal_z;
@@ -74,18 +74,18 @@ struct FilterTile {
   int x, y, width, height;
 };
 
-// Writes the noise of row `y` with what single pixels miss: one that has missed the rare bright
-// samples of its neighbours has missed their variance too, and gets at least the geometric mean of
-// the 3 x 3 pixels around it; one without any noise, as where no sample found light, their mean.
-// `noise` is a plane.
+// Writes the noise of row `y`, raised where a pixel has missed the rare bright samples of its
+// neighbours and with them their variance: it gets at least the geometric mean of the 3 x 3 pixels
+// around it. A pixel without any noise, as where no sample found light, gets their mean. `noise` is
+// a plane.
 void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise);
 
 // Replaces the values of row `y` of a plane, all positive, by `scale` times their natural
 // logarithms.
 void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane);
 
-// Filters a tile: writes the average of both halves, each weighted by what the other one tells, and
-// its noise. The rim of `out` is not written.
+// Filters a tile: writes the average of both halves, each weighted by the other one, and its noise.
+// The rim of `out` is not written.
 void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
                  const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]);
 
@@ -101,10 +101,10 @@ struct ErrorPlanes {
 
 // Writes the estimated squared error of the mean of the `filtered` halves of `noisy`, for one row.
 //
-// The variance is what the halves differ by. The bias is what both have in common: with x the noisy
-// and f the filtered halves, (f_0 - x_1)(f_1 - x_0) has the squared bias as its expectation, as the
-// noise of one half is not that of the other, but for the share of x in its own average. Both are
-// means over the neighbourhood, of 3 x 3 and of 5 x 5 pixels, whichever is larger.
+// The variance is what differs between the halves. The bias is what both have in common: with x the
+// noisy and f the filtered halves, (f_0 - x_1)(f_1 - x_0) has the squared bias as its expectation,
+// because the noise of the two halves is independent, except for the share of x in its own average.
+// Both are means over the neighbourhood, of 3 x 3 and of 5 x 5 pixels, whichever is larger.
 void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
                    const HalfPlanes (&filtered)[2], const FilterTile& tile,
                    const ErrorPlanes& squared_error);

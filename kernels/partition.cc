@@ -36,7 +36,7 @@ HWY_INLINE VU TrianglesHit(const HitColumns& hits, std::uint32_t row, MU hit) {
 }
 
 // Prefetches the records of rows [row, n) of a vector, since they are random accesses. There is no
-// branch on what rays hit, which is as good as random.
+// branch on what rays hit, which is as unpredictable as random numbers.
 HWY_INLINE void PrefetchRecords(const HitColumns& hits, const TriangleRecord* triangles,
                                 std::uint32_t row, std::uint32_t n) {
   const MU hit = hn::And(RowsBelow(row, n), hn::Ne(Load(hits.geom + row), SetU(kNoHit)));

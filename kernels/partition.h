@@ -35,16 +35,15 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
                   const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
                   std::uint32_t* count);
 
-// Does the same for rays of which only misses matter: hits go to no queue. Returns the number of
-// misses.
+// The same for rays of which only misses matter: hits go to no queue. Returns the number of misses.
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue);
 
 // Copies the rows whose queue is kMissQueue to `escaped`, in order, from its row 0 on.
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped);
 
-// Copies to `escaped` the rows of which something is left: those that escaped have their throughput
-// less their control, and those that met something have minus their control. Returns their number.
+// Copies to `escaped` the rows whose weight is not 0: their throughput less their control if they
+// escaped, minus their control if they hit something. Returns their number.
 std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                              const ControlColumns& control, const EscapeColumns& escaped);
 

@@ -26,7 +26,7 @@ constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
 // A path uses fewer pairs than this; code that needs more for the same event adds multiples of it.
 inline constexpr std::uint32_t kPairBlock = 1u << 16;
 
-// A strategy that draws candidates of a light sample takes them from this many blocks behind the
+// A strategy that draws candidates of a light sample takes them from this many blocks after the
 // sample's own.
 inline constexpr std::uint32_t kCandidateBlocks = 3;
 

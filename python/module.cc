@@ -129,7 +129,7 @@ void TranslateException(std::exception_ptr exception) {
     } catch (const std::bad_alloc&) {
       PyErr_NoMemory();
       return;
-    } catch (...) {  // the cause of bad input, of which the error tells
+    } catch (...) {  // the cause of bad input, which the error names
     }
     const py::object object =
         py::module_::import("skywave._errors")

@@ -245,7 +245,7 @@ void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables
   tables.triangles[i] = {.normal = {first, share, material}, .tag = kMixedTriangle};
 }
 
-// Variants come behind all triangles, and variants of variants behind those.
+// Variants come after all triangles, and variants of variants after those.
 void AddVariants(const Scene& scene, const std::string& path, GeometryTables& tables) {
   for (std::size_t i = 0; i < tables.triangles.size(); ++i) {
     ResolveMaterial(scene, std::uint32_t(i), tables);

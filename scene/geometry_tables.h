@@ -28,7 +28,7 @@ struct MeshPlace {
 };
 
 // The triangles of the world come first, then those of each object; among them, meshes through
-// whose material rays may pass come last. Behind all triangles lie the variants of those whose
+// whose material rays may pass come last. After all triangles come the variants of those whose
 // material is a mixture (kMixedTriangle). A table that no kernel reads in a scene is empty or null.
 struct GeometryTables {
   std::vector<float> vertices;         // xyz in the space of the mesh, one float of padding

@@ -19,8 +19,8 @@ namespace {
 // (docs/decisions/2026-11-23-share-instances.md).
 constexpr double kBytesOfTriangle = 150, kBytesOfVertex = 32, kBytesOfMesh = 300,
                  kBytesOfInstance = 1100;
-// Rays through a shared object take up to twice the time of rays through copies, so that an object
-// is copied as long as that takes less than this.
+// Rays through a shared object take up to twice as long as rays through copies, so an object is
+// copied as long as its copies take less memory than this.
 constexpr double kWorthOfCopies = 256e6;
 
 // Returns the number of triangles, or that for which there are vertices if it is larger: meshes of
@@ -80,7 +80,7 @@ bool HasToBeCopied(const glm::dmat3& linear, bool has_normal_map) {
 struct Use {
   std::size_t instances = 0;
   bool shared = false, has_normal_map = false;
-  std::vector<Mesh> shining;  // meshes of a shared object that are copied all the same
+  std::vector<Mesh> shining;  // meshes of a shared object that are copied nevertheless
 };
 
 std::vector<Use> UsesOf(const ReadOptions& options, Scene& scene) {

@@ -14,8 +14,8 @@ namespace skywave {
 // than they are worth (kAuto), or however few it has (kShare). Copied in any case are
 // - meshes that shine, because the tables of lights are in world space,
 // - instances whose matrix has no inverse,
-// - and mirroring instances of objects with normal maps, since it depends on the kind of a map
-//   whether its y turns round.
+// - and mirroring instances of objects with normal maps, because whether y of a map is reversed
+//   depends on its kind.
 // Objects without an instance disappear. Throws InputError(path) for more triangles than
 // `options.max_triangles`, those of a shared object counted once, and for more instances than
 // `options.max_instances`.

@@ -15,7 +15,7 @@ namespace skywave {
 namespace {
 
 // The environment and the local lights each get at least this share of the light samples when a
-// scene has both, because power alone does not tell which of them is occluded.
+// scene has both, because power alone does not show which of them is occluded.
 constexpr double kLeastShare = 1.0 / 16;
 
 constexpr double kPi = glm::pi<double>();

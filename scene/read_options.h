@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// What becomes of an object that stands in a scene more than once.
+// How to store an object that is in a scene more than once.
 enum class InstanceUse {
   kAuto,  // copied, unless that would take more memory than it is worth
   kCopy,  // its triangles are copied for every instance

@@ -1,4 +1,4 @@
-// The hash by which pictures tell the scenes that they show apart.
+// The hash by which pictures identify their scenes.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace skywave {
 
-// What the meshes, materials and textures of a scene bring to its hash: most of the work, which
-// pictures by other cameras or under other lights have in common.
+// The contribution of a scene's meshes, materials and textures to its hash: most of the work, and
+// the same for all cameras and lights.
 class SceneHashContent {
  public:
   SceneHashContent() = default;

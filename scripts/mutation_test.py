@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Seeds the one-line faults of tests/mutations.toml, one after the other, and tells which of them
+"""Seeds the one-line faults of tests/mutations.toml, one after the other, and reports those that
 the tests do not see:
 
   scripts/mutation_test.py                        # all of them: an hour or more

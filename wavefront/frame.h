@@ -41,7 +41,7 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
-// What is known of the light of a surface in the mean, so that only the rest is sampled.
+// Part of the lighting that is known analytically; only the residual is sampled.
 enum class ControlVariate {
   kNone,
   kIrradiance  // that of the map on diffuse surfaces from which nothing hides it
@@ -65,7 +65,7 @@ struct PhotonOptions {
 
 // Options of virtual point lights.
 struct VirtualLightOptions {
-  std::uint32_t count = 64;  // of each sample, in the mean
+  std::uint32_t count = 64;  // of each sample, on average
   // Lights that are nearer than this shine as from there [world space]; negative: chosen by the
   // lights.
   float distance = -1;
@@ -134,7 +134,7 @@ struct FrameView {
   RenderOptions options;
   const Geometry* geometry;
   const EnvStrategy* strategy;
-  const EnvStrategy* continuation_strategy;  // behind the split; null: the same
+  const EnvStrategy* continuation_strategy;  // after the split; null: the same
   LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
@@ -144,10 +144,10 @@ struct FrameView {
   const EnvStrategy* emitter = nullptr;
   const EnvironmentMap* map = nullptr;            // the map of both
   const EmissionGuide* guide = nullptr;           // null: light paths from the map start anywhere
-  const PhotonMaps* photons = nullptr;            // those of the pass at hand
-  const VirtualLights* virtual_lights = nullptr;  // those of the pass at hand
+  const PhotonMaps* photons = nullptr;            // those of the current pass
+  const VirtualLights* virtual_lights = nullptr;  // those of the current pass
   const IrradianceCache* irradiance_cache = nullptr;
-  float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
+  float eta_vcm = 0;                          // that of the current pass, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
   IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
   ControlWeightView control_weights = {};     // without weights: the control weighs 1 everywhere
@@ -161,10 +161,10 @@ struct FrameView {
   bool controls() const { return irradiance.nodes != nullptr; }
   bool weighs_control() const { return control_weights.weight != nullptr; }
   bool guides_bounces() const { return bounce_guide.place != nullptr; }
-  // True if light comes from beyond the scene; if it does not, the strategy is not asked.
+  // True if light comes from beyond the scene; if not, the strategy is not used.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
-  // Returns the first of the BSDFs whose rays can still bring light where no further surface is
+  // Returns the first of the BSDFs whose rays can still bring light when no further surface is
   // shaded: under multiple importance sampling those of all BSDFs can, else those of mirrors and
   // glass.
   std::uint32_t first_bsdf_that_sees_light() const {

@@ -21,8 +21,8 @@
 namespace skywave {
 namespace {
 
-// Renders the rows of `tile` from `rows` on, which tells after each wave how far the tile has come.
-// Returns early if the render is to pause.
+// Renders the rows of `tile` from `rows` on and after each wave updates `rows`. Returns early if
+// the render is to pause.
 void RenderTile(const FrameView& frame, const TileOfStep& tile, const WorkerPool& pool,
                 const Progress* progress, Worker& worker, Film& film, std::uint64_t& rows) {
   while (rows < tile.rows) {
@@ -80,7 +80,7 @@ FrameView WithSamples(const FrameView& frame, const SampleRange& range) {
   return view;
 }
 
-// Renders what is missing of the step that `state` tells of.
+// Renders what is missing of the step that `state` describes.
 void RenderStep(const FrameView& frame, WorkerPool& pool, Film& film, RenderState& state,
                 const RenderControl& control) {
   const FrameView of_step = WithSamples(frame, state.step);
@@ -247,15 +247,15 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
     for_each_pass(frame, pool, counts, render);
   } catch (const std::bad_alloc&) {
     if (!Describe(frame.options.integrator).has_photons()) throw;
-    // Nothing else takes as much memory, whoever asked for the last of it.
+    // Nothing else takes as much memory, whatever allocation failed.
     RefusePhotons(frame.options, "there is no memory left for so many");
   }
 }
 
 namespace {
 
-// Has a pilot choose or teach the strategy `slot` of the frame, if it is one that asks for that.
-// Returns what was taught, which the frame then uses.
+// Has a pilot choose or teach the strategy `slot` of the frame, if it needs that. Returns what was
+// taught, which the frame then uses.
 std::unique_ptr<EnvStrategy> PrepareStrategy(StrategySlot slot, const FilmLayout& layout,
                                              WorkerPool& pool, FrameView& frame,
                                              FrameResult& result) {

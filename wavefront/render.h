@@ -27,8 +27,8 @@ struct Progress {
   std::atomic<bool> cancel = false;  // the render throws RenderCanceled
 };
 
-// How far a render has come. A render goes step by step; the film holds all samples before the step
-// at hand and, of its samples, the first rows[i] rows of tile i of CutStep.
+// How far a render has come. A render goes step by step; the film holds all samples before the
+// current step and, of the samples of this step, the first rows[i] rows of tile i of CutStep.
 struct RenderState {
   SampleRange step;
   std::uint32_t tile_side = 0;      // of the step [pixels]
@@ -65,7 +65,7 @@ struct FrameResult {
   double processor_seconds = 0;         // of all threads of the process meanwhile
   int threads = 0;
   std::uint32_t samples_per_pixel = 0;  // in the film, if the frame's were not there before
-  // Where blocks end apart, pixels have fewer than that in the mean.
+  // Where blocks end apart, pixels have fewer than that on average.
   double mean_samples_per_pixel = 0;
   double ended_blocks = 0;  // share of the blocks that end_blocks has ended
 };
@@ -73,8 +73,8 @@ struct FrameResult {
 // Renders the samples of `frame` into `film`. Bits of the film depend on neither threads, wave,
 // backend nor steps. Throws RenderCanceled.
 FrameResult RenderFrame(const FrameView& frame, Film& film, const RenderControl& control = {});
-// Goes on from `state`, which tells what is in the film already, and keeps it up to date: after an
-// exception too it tells what the film holds.
+// Goes on from `state`, which describes what is already in the film, and keeps it up to date: also
+// after an exception it describes what the film holds.
 FrameResult RenderFrame(const FrameView& frame, Film& film, RenderState& state,
                         const RenderControl& control = {});
 

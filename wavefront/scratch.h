@@ -33,7 +33,7 @@ struct WordColumns {
   }
 };
 
-// These tables mean nothing by themselves. Only views name their columns.
+// These tables have no meaning by themselves; views name their columns.
 struct Scratch {
   explicit Scratch(std::uint32_t wave) : first(wave), second(wave), words(wave) {}
   soa::Table<UniformColumns> first, second;
@@ -45,29 +45,29 @@ struct Scratch {
 
 // ---- Uniform random numbers, one row a path, ray or surface (kernels/sampler.h) ----
 
-// They place a path in the filter of its pixel.
+// Places a path in the filter of its pixel.
 struct FilmUniforms : Borrowed<UniformColumns> {
   explicit FilmUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "FilmUniforms") {}
 };
 
-// They place the start of a ray or the end of a connection on the camera's lens, and are drawn only
-// for cameras with a lens.
+// Places the start of a ray, or the end of a connection, on the camera's lens; drawn only for
+// cameras with a lens.
 struct LensUniforms : Borrowed<UniformColumns> {
   explicit LensUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "LensUniforms") {}
 };
 
-// They choose between the two materials of a mixture that a ray has hit (u).
+// Selects one of the two materials of a mixture that a ray has hit (u).
 struct MixtureUniforms : Borrowed<UniformColumns> {
   explicit MixtureUniforms(const Scratch& s)
       : Borrowed(s.first, s.first.rows(), "MixtureUniforms") {}
 };
 
-// They pick the light of a sample, and a place on it.
+// Picks the light of a sample, and a place on it.
 struct LightUniforms : Borrowed<UniformColumns> {
   explicit LightUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "LightUniforms") {}
 };
 
-// They aim a light path: its direction from a local light, or its place on a disk.
+// Aims a light path: its direction from a local light, or its place on a disk.
 struct AimUniforms : Borrowed<UniformColumns> {
   explicit AimUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "AimUniforms") {}
 };
@@ -81,7 +81,7 @@ struct LobeUniforms : Borrowed<UniformColumns> {
   explicit LobeUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "LobeUniforms") {}
 };
 
-// They choose one of the pixels that a connection to the camera can go to.
+// Chooses one of the pixels that a connection to the camera can go to.
 struct PixelUniforms : Borrowed<UniformColumns> {
   explicit PixelUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "PixelUniforms") {}
 };
@@ -97,8 +97,7 @@ struct RemainderColumns {
   }
 };
 
-// The strategy draws by what a uniform has left once it has not picked a local light
-// (SplitUniforms).
+// The rescaled uniform (SplitUniforms), by which the strategy draws if no local light was picked.
 struct SplitRemainder : Borrowed<RemainderColumns> {
   explicit SplitRemainder(const Scratch& s)
       : Borrowed({s.second->u}, s.second.rows(), "SplitRemainder") {}
@@ -113,8 +112,8 @@ struct ReachColumns {
   }
 };
 
-// Shadow rays of light samples reach so far. Where no local light is sampled all of them reach
-// infinitely far, and there is no column.
+// Length of the shadow ray of each light sample. Where no local light is sampled all lengths are
+// infinite, and there is no column.
 struct LightReach : Borrowed<ReachColumns> {
   LightReach() = default;
   explicit LightReach(const Scratch& s) : Borrowed({s.second->v}, s.second.rows(), "LightReach") {}

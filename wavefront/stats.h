@@ -58,7 +58,7 @@ class StageClock {
  public:
   explicit StageClock(RenderStats& stats) : stats_(stats), last_(Now()) {}
   void Lap(Stage stage) { stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += Lap(); }
-  // Does the same for a stage that traced rays of one kind.
+  // The same for a stage that traced rays of one kind.
   void Lap(Stage stage, RayKind kind) {
     const double seconds = Lap();
     stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += seconds;

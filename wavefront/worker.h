@@ -33,7 +33,7 @@ struct LightPathTables {
   soa::Table<NormalColumns> normals;  // shading normals as the camera sees them
 };
 
-// So many queries are searched for at a time.
+// Queries per batch.
 inline constexpr std::uint32_t kLookupBlock = 16;
 
 // Bits of HistoryColumns::met.
@@ -73,7 +73,7 @@ struct PhotonTables {
 struct VirtualLightTables {
   explicit VirtualLightTables(std::uint32_t wave)
       : light(wave), to_eye(wave), partner(wave), turned(wave), seen(wave), seen_by_light(wave) {}
-  LightVertices light;  // the light at hand, repeated for every surface that it shines on
+  LightVertices light;  // the current light, repeated for every surface that it shines on
   soa::Table<LightColumns> to_eye;
   soa::Table<IndexColumns> partner;
   soa::Table<TurnedColumns> turned;  // while the light is evaluated
@@ -103,22 +103,22 @@ struct IrradianceTables {
 struct GroupTables {
   explicit GroupTables(std::uint32_t wave) : given(wave) {}
   soa::Table<GroupColumns> given;
-  Film* film = nullptr;  // the one that the wave at hand is for
+  Film* film = nullptr;  // the one that the current wave is for
 };
 
 // A control variate needs these tables.
 struct ControlTables {
   explicit ControlTables(std::uint32_t wave) : subtracted(wave), weights(wave) {}
-  // What is subtracted from the light samples at hand, then from the rays that scatter.
+  // What is subtracted from the current light samples, then from the rays that scatter.
   soa::Table<ControlColumns> subtracted;
-  soa::Table<ControlWeightColumns> weights;  // of the surfaces at hand
+  soa::Table<ControlWeightColumns> weights;  // of the current surfaces
 };
 
 // Guided paths need these tables.
 struct GuideTables {
   explicit GuideTables(std::uint32_t wave) : rows(wave), values(wave) {}
   soa::Table<GuideColumns> rows;
-  soa::Table<BsdfValueColumns> values;  // of the directions at hand
+  soa::Table<BsdfValueColumns> values;  // of the current directions
 };
 
 struct Continuations;
@@ -138,7 +138,7 @@ struct Worker {
   Scratch scratch;
   RenderStats stats;
 
-  // Integrators that need them have these (MakeWorker).
+  // Only integrators that need them have these (MakeWorker).
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
@@ -157,7 +157,7 @@ struct Worker {
 struct Continuations {
   explicit Continuations(std::uint32_t rows) : wave(rows), direct(rows) {}
 
-  // The continuations at hand. The radiance of its paths is the sum over all so far, without what
+  // The current continuations. The radiance of their paths is the sum over all so far, without what
   // their first rays see, which is in `direct`.
   Worker wave;
   soa::Table<RadianceColumns> direct;  // sums over the continuations of a path

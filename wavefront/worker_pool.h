@@ -19,9 +19,9 @@ namespace skywave {
 // Work of a pool whose `cancel` has become true ends by this exception.
 struct RenderCanceled {};
 
-// An arena of threads, a worker for each thread that has had something to do, and, where rays are
-// kept for a replay, a recorder for each. A thread makes its worker itself, so that it is the first
-// one to touch the memory of the tables.
+// An arena of threads, a worker for each thread that has had work, and, if rays are kept for a
+// replay, a recorder for each. A thread makes its worker itself, so that it is the first one to
+// touch the memory of the tables.
 class WorkerPool {
  public:
   // Makes as many threads as `options` gives, whose workers have the tables of its integrator.
@@ -29,7 +29,7 @@ class WorkerPool {
   explicit WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders = nullptr,
                       const std::atomic<bool>* cancel = nullptr);
 
-  // Runs `work` with the threads of the pool: whatever it does in parallel uses no others.
+  // Runs `work` on the threads of the pool: parallel work in it uses no others.
   void Run(const std::function<void()>& work) { arena_.execute(work); }
 
   // Calls work(i, worker, recorder) for every i of [0, count) in any order, with the worker of the
@@ -50,7 +50,7 @@ class WorkerPool {
  private:
   RenderOptions options_;
   tbb::task_arena arena_;
-  std::vector<std::unique_ptr<Worker>> workers_;  // by thread; null: it has had nothing to do
+  std::vector<std::unique_ptr<Worker>> workers_;  // by thread; null: it has had no work
   std::vector<RayRecorder>* recorders_;
   const std::atomic<bool>* cancel_;
 };

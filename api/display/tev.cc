@@ -29,8 +29,8 @@ static_assert(std::endian::native == std::endian::little, "the protocol's number
 
 constexpr char kCreateImage = 4, kUpdateImageV3 = 6;
 constexpr int kBlockSide = 64;
-// Seconds between two rounds of updates. A block of small tiles would else be sent for each of
-// them.
+// Seconds between two rounds of updates. Otherwise a block of small tiles would be sent once per
+// tile.
 constexpr double kPause = 0.2;
 
 // Appends the fields of a packet. The first four bytes are its length, which counts them too.
@@ -225,7 +225,8 @@ struct TevDisplay::State {
       }
     }
   }
-  // Returns whether the viewer may be waited for any longer; `idle`: since it has read something.
+  // Returns whether to wait for the viewer any longer. `idle`: the time since it last read
+  // something.
   bool MayWait(const Clock::time_point& idle) {
     const std::lock_guard lock(mutex);
     if (leave) return false;
@@ -295,7 +296,7 @@ TevDisplay::TevDisplay(const ViewerAddress& viewer, const std::string& name, int
   const int blocks_down = (height + kBlockSide - 1) / kBlockSide;
   state.values.resize(channels.size() * std::size_t(width) * std::size_t(height));
   state.waits.resize(std::size_t(state.blocks_across) * std::size_t(blocks_down));
-  // It is detached because nothing ends a look-up of a host name before its time.
+  // It is detached because a look-up of a host name cannot be interrupted.
   std::thread([shared = state_] { shared->Run(); }).detach();
 }
 

@@ -22,8 +22,7 @@ struct DisplayWindow {
   int x, y, width, height;
 };
 
-// The packets that a viewer gets. `grab_focus` is false: a picture does not push itself in front of
-// others.
+// The packets that a viewer gets. `grab_focus` is false: a new picture does not come to the front.
 std::string CreateImagePacket(const std::string& name, int width, int height,
                               const std::vector<std::string>& channels);
 // `values` are those of the window, channel by channel and row by row.
@@ -40,8 +39,8 @@ struct ViewerPatience {
 
 // One picture in a viewer. It is a copy of the picture and a list of the blocks in which the copy
 // and the viewer differ; a thread of its own sends these. So a slow viewer gets fewer versions of a
-// block, always the newest one, while the render waits for nothing but the copy, and memory does
-// not grow. Nothing throws, and a viewer that is missing, leaves or does not read is one warning.
+// block, always the newest one, the render waits only for the copy, and memory does not grow.
+// Nothing throws. A viewer that is missing, leaves or does not read causes one warning.
 class TevDisplay {
  public:
   // Begins to connect. `channels` are named as in an EXR file, "R" or "albedo.R".
@@ -51,12 +50,12 @@ class TevDisplay {
   TevDisplay& operator=(const TevDisplay&) = delete;
   ~TevDisplay();  // leaves the viewer at once
 
-  // Returns whether anybody may still see an update, so that it is worth its making.
+  // Returns whether anybody may still see an update; if not, there is no need to make one.
   bool watched() const;
   // Takes the values of a window, channel by channel and row by row. Any thread may call this.
   void Update(const DisplayWindow& window, const std::vector<float>& values);
-  // Waits, with patience, until the viewer has the whole picture, and leaves it. Returns what went
-  // wrong, or nothing. There are no updates behind it.
+  // Blocks until the viewer has everything or its time is up, then disconnects. Returns what went
+  // wrong, or nothing. No updates may follow.
   std::string Finish();
 
  private:

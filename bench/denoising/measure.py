@@ -10,10 +10,10 @@ Six scenes are rendered with --samples and once with --reference samples. The fi
 relative mean squared error of the noisy and of the clean picture, how many times smaller it is, and
 the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.png shows the noisy
 picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
-turns, and tells the medians. --until doubles the samples, or lowers the error of --adaptive, until
-a picture has this relative mean squared error, plain and denoised, and tells the processor time of
-the whole command, which other work on the machine changes little. Pictures that are in OUT are not
-rendered again.
+turns, and reports the medians. --until doubles the samples, or lowers the error of --adaptive,
+until a picture has this relative mean squared error, plain and denoised, and reports the processor
+time of the whole command, which other work on the machine changes little. Pictures that are in OUT
+are not rendered again.
 """
 
 import argparse

@@ -1,5 +1,5 @@
-// What the guard of a scene keeps of a run, and how a later run is held to it: counters to the last
-// digit, instructions within a limit, times by intervals (docs/regression.md).
+// What the guard of a scene keeps of a run, and how a later run is compared with it: counters to
+// the last digit, instructions within a limit, times by intervals (docs/regression.md).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -40,11 +40,11 @@ struct Baseline {
 };
 
 nlohmann::ordered_json Json(const Baseline& baseline);
-// Throws InputError for a file that is none.
+// Throws InputError for a file that is not a baseline.
 Baseline ReadBaseline(const std::string& path);
 Baseline BaselineOf(const nlohmann::json& json, const std::string& file);
 
-// What a gate says.
+// The result of a gate.
 struct GateResult {
   BaselineGate gate;
   enum { kPassed, kFailed, kSkipped } verdict = kPassed;
@@ -55,7 +55,7 @@ struct GateResult {
 // The share of a stage's instructions by which it may differ.
 inline constexpr double kInstructionLimit = 0.005;
 
-// Holds `now` to `baseline` by `gates`. `threshold`: how much slower it may be, 0.05 is 5 %.
+// Compares `now` with `baseline` by `gates`. `threshold`: how much slower it may be, 0.05 is 5 %.
 // Throws InputError for `path`, the file of the baseline, if it is that of another picture.
 std::vector<GateResult> JudgeBaseline(const Baseline& baseline, const Baseline& now,
                                       const std::vector<BaselineGate>& gates, double threshold,

@@ -25,8 +25,8 @@ std::string SettingOf(const BenchRecord& record, std::string_view name) {
   return "";
 }
 
-// Pictures are known by their hashes, and where these are unknown or Embree was told to find hits
-// by other instructions, by nothing but the scene's name and the command.
+// Pictures are identified by their hashes. Where these are unknown, or Embree was set to find hits
+// by other instructions, only the scene's name and the command identify them.
 void CheckSameWork(const BenchRecord& first, const BenchRecord& other) {
   if (other.subject != first.subject) {
     FailRecord(other, fmt::format("is a result of another measurement than {}: {}, not {}",

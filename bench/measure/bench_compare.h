@@ -20,8 +20,8 @@ struct SpeedRatio {
   Ratio ratio;       // of the time of B to that of A
   double least;      // the same of the least times; NaN where several runs were compared
 
-  // Returns whether B takes longer by more than `threshold` (0.05: 5 %) beyond doubt: noise may
-  // hide a slow-down, but hardly ever invents one.
+  // Returns whether B certainly takes longer by more than `threshold` (0.05: 5 %): noise may hide a
+  // slow-down, but hardly ever makes one up.
   bool slower(double threshold) const {
     return ratio.interval.low > 1 + threshold && !(least <= 1 + threshold);
   }

@@ -16,7 +16,7 @@ inline constexpr std::string_view kSceneSchema = "skywave-bench-2";
 
 struct SceneRecord {
   std::string name;
-  std::string picture;            // hash of the picture that it is to be; empty: unknown
+  std::string picture;            // hash of the expected picture; empty: unknown
   double samples = 0;             // of a render; 0: unknown
   double rays = 0;                // likewise, of all kinds
   std::vector<double> render;     // [s] every repetition, wall clock
@@ -27,7 +27,7 @@ struct BenchRecord {
   std::string file;
   std::string subject;  // what was measured: "quick suite", or a command that renders a picture
   std::string version;  // of the program
-  // What a difference of has to be told with a difference of speed: names and values.
+  // Settings whose differences must be reported with a difference in speed: names and values.
   std::vector<std::pair<std::string, std::string>> settings;
   int threads = 0;  // 0: unknown
   std::vector<SceneRecord> scenes;

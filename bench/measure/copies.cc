@@ -156,7 +156,7 @@ std::vector<CopyResult> RunCopies(int copies, std::span<const int> processors,
   SharedMemory memory;
   std::vector<RunningCopy> running(static_cast<std::size_t>(copies));
   std::vector<CopyResult> results(running.size());
-  std::fflush(nullptr);  // what is buffered would be written once more by each copy
+  std::fflush(nullptr);  // each copy would write once more what is buffered
   const pid_t parent = ::getpid();
   for (std::size_t i = 0; i < running.size(); ++i) {
     if (!processors.empty()) results[i].processor = processors[i % processors.size()];

@@ -16,20 +16,20 @@ std::vector<int> ProcessorsByCore();
 
 struct CopyCounts;
 
-// How a copy waits for the others. One that fails ends all of them.
+// How a copy waits for the others. If one fails, all end.
 class CopyBarrier {
  public:
   CopyBarrier(CopyCounts& counts, int copies) : counts_(counts), copies_(copies) {}
-  // Waits until all copies have come here.
+  // Waits until all copies have called this.
   void Meet();
-  // Tells that this copy has measured enough since it last met the others, and returns whether all
-  // copies have; if not, the copy goes on working and asks again.
+  // Reports that this copy has measured enough since it last met the others, and returns whether
+  // all copies have; if not, the copy goes on working and asks again.
   bool Finish();
 
  private:
   CopyCounts& counts_;
   int copies_, meetings_ = 0, parts_ = 0;
-  bool waits_ = false;  // has finished the part at hand before others
+  bool waits_ = false;  // has finished the current part before others
 };
 
 // What a copy does, and returns as text. It meets the others before each part that it measures, and

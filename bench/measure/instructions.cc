@@ -59,8 +59,8 @@ constexpr std::pair<std::string_view, std::string_view> kStageFunctions[] = {
     {"RenderBdptWave", kWave},
     {"RenderPhotonWave", kWave}};
 
-// The functions around an instruction that are told apart. Chains are shorter between a stage and
-// its kernels, also inside of Embree.
+// The number of functions around an instruction that are kept apart. Chains between a stage and its
+// kernels are shorter, also inside of Embree.
 constexpr int kKeptCallers = 24;
 
 class InstructionFolder {
@@ -103,7 +103,7 @@ CommandOutput RunShell(const std::string& command) {
 }
 
 // Returns the name of a function of this program without its namespace and parameters, "Film::Add"
-// of "skywave::Film::Add(...)"; empty: it is of another one.
+// of "skywave::Film::Add(...)"; empty for functions of other programs.
 std::string_view NameOf(std::string_view function) {
   for (const std::string_view prefix : {"skywave::", "(anonymous namespace)::"}) {
     if (function.starts_with(prefix)) {
@@ -158,7 +158,7 @@ bool IsCounted(std::string_view object, std::string_view program) {
   return object == program || object.substr(object.rfind('/') + 1).starts_with("libembree");
 }
 
-// Returns the number behind the first blank of a line; 0: there is none.
+// Returns the number after the first blank of a line; 0: there is none.
 std::uint64_t SecondNumber(std::string_view line) {
   std::uint64_t number = 0;
   const std::size_t blank = line.find(' ');

@@ -29,13 +29,13 @@ inline constexpr int kInstructionSamples = 8;
 // Renders the picture of a resolved request in a process of its own under valgrind, with a width of
 // kInstructionWidth and kInstructionSamples samples per pixel. One thread renders, because waiting
 // ones count too. Valgrind's processor has AVX2 and no AVX-512, so kernels run as AVX2, and Embree
-// is told isa=avx2. Nothing is counted without valgrind or AVX2, or if the program was stripped of
-// the names of functions. Throws InputError if the render fails there.
+// gets isa=avx2. Nothing is counted without valgrind or AVX2, or if the program was stripped of the
+// names of functions. Throws InputError if the render fails there.
 InstructionCounts CountInstructions(const JobRequest& resolved);
 
-// Returns the counts of the stages in a file of callgrind that tells functions apart by their
-// callers (--separate-callers), in the order of their names. `program`: the object that is counted
-// besides Embree's.
+// Returns the counts of the stages in a file of callgrind that separates functions by their callers
+// (--separate-callers), in the order of their names. `program`: the object that is counted besides
+// Embree's.
 StageInstructions StagesOf(std::string_view profile, std::string_view program);
 
 }  // namespace skywave

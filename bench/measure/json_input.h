@@ -45,11 +45,11 @@ class JsonInput {
   std::string file_, pointer_;
 };
 
-// Throws InputError if the file cannot be read or is no JSON, with the line where it stops being
-// that.
+// Throws InputError if the file cannot be read or is not JSON, with the line where it stops being
+// valid.
 nlohmann::json ReadJson(const std::string& path);
 
-// Does the same from memory; `path` is for messages.
+// The same from memory; `path` is for messages.
 nlohmann::json ParseJson(std::string_view text, const std::string& path);
 
 }  // namespace skywave

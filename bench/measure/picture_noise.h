@@ -1,6 +1,6 @@
-// Compares the difference of two rendered pictures with the noise that they have by their own
-// account: by the layers "variance" and "samples", which hold the variance of one sample and the
-// number of samples of each pixel.
+// Compares the difference of two rendered pictures with the noise that they report themselves, in
+// the layers "variance" and "samples", which hold the variance of one sample and the number of
+// samples of each pixel.
 #pragma once
 
 #include <array>

@@ -65,8 +65,7 @@ ProgressEstimate Estimate(const ProgressState& state) {
   if (const double whole = PictureSeconds(state); all) {
     estimate.picture_seconds = estimate.seconds = 0;
   } else if (whole >= 0) {
-    // The part of the share, and not what is left of `whole`, so that a picture that takes longer
-    // than the others does not end before its time.
+    // Scale by the remaining share, so that slow pictures do not reach zero early.
     estimate.picture_seconds = whole * (1 - share);
     const double other =
         state.timed_pictures > 0 ? state.timed_seconds / double(state.timed_pictures) : whole;

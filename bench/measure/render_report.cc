@@ -48,7 +48,7 @@ std::string Table(const RenderReport& report) {
   const std::string noise = report.noise ? fmt::format(", noise {:.4g}", *report.noise) : "";
   const double in_mean = report.frame.mean_samples_per_pixel;
   if (report.adaptive) {
-    line("{:.1f} samples per pixel in the mean, {} at most{}; {:.1f} % of the blocks need no more",
+    line("{:.1f} samples per pixel on average, {} at most{}; {:.1f} % of the blocks need no more",
          in_mean, got, noise, 100 * report.frame.ended_blocks);
   } else if (got < asked || report.noise) {
     line("{} of {} samples per pixel{}", got, asked, noise);

@@ -22,8 +22,8 @@ struct SpeedSettings {
   bool replay = true;              // false: only renders
 };
 
-// A machine whose times still scatter after this many times the repetitions is busy with something
-// else, and more of them would not help.
+// If times still scatter after this many times the repetitions, the machine is busy with something
+// else, and more repetitions would not help.
 inline constexpr int kMostRepetitions = 4;
 // The limit of the Phoronix Test Suite.
 inline constexpr double kDeviationLimit = 0.025;

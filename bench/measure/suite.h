@@ -87,7 +87,7 @@ struct SuiteResult {
   double mrays_per_second() const;
 };
 
-// `tables` tells whether to build those of every strategy, which takes longer than a few renders.
+// `tables` says whether to build those of every strategy, which takes longer than a few renders.
 SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
                          const SpeedSettings& settings, bool tables);
 

@@ -47,7 +47,7 @@ def seconds_by_difference(one, whole, samples):
     """Returns the time of all samples from that of one and of all, preparation included in both."""
     seconds = (whole - one) * samples / (samples - 1)
     if seconds <= 0:
-        raise Failed("the samples take too little time to be told from the rest: take more")
+        raise Failed("the samples take too little time to be separated from the rest: take more")
     return seconds
 
 

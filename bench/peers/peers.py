@@ -148,7 +148,7 @@ def read_picture(result):
 def reference(session, job, samples):
     """Returns the picture of Skywave with many samples, and which pixels see surfaces alone.
 
-    It is kept under a name that tells what it depends on.
+    It is kept under a name that says what it depends on.
     """
     kept = session.file("{}_reference_{}x{}_{}x{}_{}.exr".format(
         job.name, *session.size, samples, job.depth, session.hashes[job.scene][:16]))

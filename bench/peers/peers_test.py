@@ -413,7 +413,7 @@ class Run(unittest.TestCase):
             self.assertLess(found.mse, 0.003, job.name)
 
     def test_programs_agree(self):
-        """Means within the noise, which two repeats tell, and 1 % for metals that differ."""
+        """Means within the noise, which two repeats give, and 1 % for metals that differ."""
         # At depth 2 a surface more or less would show.
         options = peers.parse(self.options("--size", "48x36", "--samples", "64", "--depth", "2"))
         jobs = peers.make_jobs(options)

@@ -4,7 +4,7 @@
 #   bench/peers/setup.sh [NAME...]     blender mitsuba luxcore radiance llvm; without names all
 # They take 3 GB in $SKYWAVE_PEERS (default: skywave-peers in the user's cache). Each gets the first
 # Python that it is published for: those of $SKYWAVE_PYTHONS, then those of the PATH from the newest
-# on. What cannot be installed is told in the end, with exit code 1; peers.py does without it.
+# on. What cannot be installed is reported at the end, with exit code 1; peers.py does without it.
 # Nothing needs root, and `rm -r` of the folder removes everything.
 set -uo pipefail
 folder=${SKYWAVE_PEERS:-${XDG_CACHE_HOME:-$HOME/.cache}/skywave-peers}

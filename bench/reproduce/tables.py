@@ -180,7 +180,7 @@ def read_path_row(line):
     return row
 
 
-# Importance sampling under MIS is compensated unless it is told not to be.
+# Importance sampling under MIS is compensated unless it is switched off.
 PLAIN = "importance:compensate=0"
 
 

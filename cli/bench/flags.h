@@ -35,7 +35,7 @@ struct BenchFlags {
 };
 
 inline constexpr int kExitWrongPicture = 1, kExitSlower = 1;
-inline constexpr int kExitSkipped = 77;  // as the checks of automake tell it
+inline constexpr int kExitSkipped = 77;  // as the checks of automake report it
 
 // The number of repetitions: what was asked for, else that of a scene or a suite.
 int RepetitionsOf(const BenchFlags& flags);

@@ -34,7 +34,7 @@ bool Has(const std::vector<BaselineGate>& gates, BaselineGate gate) {
 }
 
 // Measures what `gates` need. Options that only say where a picture comes from are left out: the
-// hash of the scene tells whether it is the same.
+// hash of the scene shows whether it is the same.
 Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
                          const std::vector<BaselineGate>& gates) {
   Film film = job.MakeFilm();
@@ -111,7 +111,7 @@ int GuardScene(const BenchFlags& flags) {
   PrintNotes(job.notes());
   const Baseline now = MeasureBaseline(job, flags, flags.gates);
   std::vector<GateResult> results = Judge(baseline, now, flags, flags.gates);
-  // A slow minute of the machine is no regression, and is seldom followed by another.
+  // A slow minute of the machine is not a regression, and is seldom followed by another.
   for (GateResult& result : results) {
     if (result.gate != BaselineGate::kTime || result.verdict != GateResult::kFailed) continue;
     Print(stderr, "note: slower than the baseline; measured once more\n");

@@ -30,7 +30,7 @@ void PrintProbe(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& in
   row("map", flags.map.path);
   row("size", fmt::format("{} x {}", map.image.width, map.image.height));
   row("projection",
-      fmt::format("{} ({})", ToString(map.projection), map.assumed ? "as told" : "by shape"));
+      fmt::format("{} ({})", ToString(map.projection), map.assumed ? "as given" : "by shape"));
   row("bad pixels", fmt::format("{} NaN, {} infinite, {} negative", map.bad.nan, map.bad.infinite,
                                 map.bad.negative));
   row("luminance",

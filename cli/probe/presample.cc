@@ -78,7 +78,7 @@ Command ProbePresampleCommand() {
       .name = "presample",
       .summary = "A sample set with cells and energies",
       .footer =
-          "The method is penrose and the position sample unless told otherwise.\n\n"
+          "The method is penrose and the position is sample by default.\n\n"
           "Example:\n  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png",
       .run = [flags](const GivenOptions&) { return PresampleMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));

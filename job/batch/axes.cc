@@ -26,7 +26,7 @@ bool IsBuiltinScene(const std::string& name) {
                      [&](const BuiltinSceneInfo& scene) { return scene.name == name; });
 }
 
-// Whether `text` means to be a list of numbers.
+// Whether `text` is meant as a list of numbers.
 bool LooksLikeNumberList(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789-,: \t") == std::string::npos;
 }
@@ -109,7 +109,7 @@ std::string AxisReader::FileNamed(const PictureOption& option) const {
     return file;
   }
   if (option.name == "scene" && IsBuiltinScene(option.text)) return option.text;
-  // Its files are looked for when it is known which frames there are.
+  // Its files are checked once the frames are known.
   if (option.name == "env" && IsMapSequence(file)) return file;
   Refuse(option.line,
          fmt::format("{}: there is no file {}{}", option.name, file,

@@ -10,7 +10,8 @@
 
 namespace skywave {
 
-// More pictures, and more values of an axis, are a mistake; they are refused before one is made.
+// More pictures, or more values of an axis, are probably a mistake and are refused before any is
+// made.
 inline constexpr std::size_t kMostPictures = 100'000;
 
 // One value of an axis: its name in outputs and tables, and the options that it sets.
@@ -39,8 +40,8 @@ class AxisReader {
   // Returns the options of [base].
   std::vector<PictureOption> ReadBase(const JobValue& base) const;
   // Returns the groups of [axes] and [[zip]] in the order of the file. Either may be null. Throws
-  // InputError with the line for values that are none, and where an option is given twice, by two
-  // axes or by an axis and the base.
+  // InputError with the line for invalid values, and where an option is given twice, by two axes or
+  // by an axis and the base.
   std::vector<AxisGroup> ReadGroups(const JobEntry* axes, const JobEntry* zip,
                                     const std::vector<PictureOption>& base) const;
 

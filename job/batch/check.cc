@@ -73,7 +73,7 @@ void AddFrame(const JobRequest& job, CheckedScene& checked) {
 }
 
 // Reads a scene that moves at both ends of its frames too: animations are checked as they are read,
-// and what they do wrong they do at an end more than in the middle.
+// and their errors show at an end rather than in the middle.
 void CheckEndsOfFrames(const CheckedScene& checked) {
   if (checked.scene.animations.empty()) return;
   for (const JobRequest* const end : {&checked.first, &checked.last}) {

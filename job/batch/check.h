@@ -1,4 +1,4 @@
-// What is found out about a batch before its first picture is rendered.
+// Checks of a batch before its first picture is rendered.
 #pragma once
 
 #include <cstddef>

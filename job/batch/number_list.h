@@ -11,7 +11,7 @@ namespace skywave {
 
 // Puts the numbers that `text` lists into `numbers`: single numbers and ranges, separated by
 // commas. Both ends of a range are included, FIRST may be larger than LAST, either may be negative,
-// and a step follows after a colon: "10-1:3" is 10, 7, 4, 1. Blanks around an item mean nothing.
+// and a step follows after a colon: "10-1:3" is 10, 7, 4, 1. Blanks around an item are ignored.
 // Returns what is wrong as half a sentence, or nothing; more than `most` numbers are wrong, and are
 // counted before any is made.
 std::string ParseNumberList(std::string_view text, std::size_t most,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostDigits = 30;
 
-// Reads "04" or "06.2" behind the colon of a place.
+// Reads "04" or "06.2" after the colon of a place.
 bool ParseFormat(std::string_view text, NamePiece& piece) {
   const char *next = text.data(), *const end = next + text.size();
   const auto number = [&](int& to) {

@@ -15,7 +15,7 @@ struct NamePiece {
   std::string text;  // of the text, or the name of the value
   bool place = false;
   int width = 0;    // a number is padded by zeros to this; 0: it is not
-  int digits = -1;  // behind the point; -1: as many as it has
+  int digits = -1;  // after the point; -1: as many as it has
 };
 
 // Splits `pattern` into pieces: {name}, {name:04}, {name:06.2}, and {{ and }} for braces. Returns

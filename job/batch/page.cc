@@ -16,7 +16,7 @@
 namespace skywave {
 namespace {
 
-// More columns than these are not a grid any more; such pictures flow from line to line.
+// With more columns than these, pictures are not laid out as a grid but flow from line to line.
 constexpr std::size_t kMostColumns = 8;
 
 constexpr std::string_view kPageStyle =

@@ -11,9 +11,9 @@
 
 namespace skywave {
 
-// Gives `out` a page that lies in the folder of the plan. It has the thumbnails inside, links the
-// pictures by relative names, and needs no network. There is a result and a thumbnail for each
-// picture of the plan.
+// Writes a page for the folder of the plan to `out`. It embeds the thumbnails, links the pictures
+// by relative names, and needs no network. There is a result and a thumbnail for each picture of
+// the plan.
 void WriteBatchPage(const BatchPlan& plan, const BatchSummary& summary,
                     std::span<const Thumbnail> thumbnails, const PieceWriter& out);
 

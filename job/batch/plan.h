@@ -38,15 +38,14 @@ struct BatchPlan {
   std::size_t all_pictures = 0;            // of all shares
 };
 
-// A share of the pictures: of each `count` in a row the one at `number`, counted from 1.
+// A share of the pictures: of every `count` consecutive ones the one at `number`, counted from 1.
 struct BatchShare {
   std::size_t number = 1, count = 1;
 };
 
 // Returns the plan of the job file at `path`. Outputs are relative to `output_folder`, or to the
-// folder of the job file if that is empty. Reads the job file and looks which files there are; it
-// makes none and opens no other, but for the scene whose cameras are all asked for. Throws
-// InputError with the line.
+// folder of the job file if that is empty. Reads only the job file, and the scene if all its
+// cameras are requested; creates nothing. Throws InputError with the line.
 BatchPlan ReadBatchPlan(const std::string& path, const std::string& output_folder = "");
 // The same of a job file whose bytes are known.
 BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
@@ -58,14 +57,14 @@ BatchPlan ShareOf(BatchPlan plan, const BatchShare& share);
 // Returns the name of a file as files in `folder` refer to it.
 std::string RelativeName(const std::string& folder, const std::string& file);
 
-// Returns the files beside the outputs that tell of the batch: its folder and the name of the job
-// file, with ".batch" and `ending`; the shares of a batch have files of their own.
+// Returns the name of a report on the batch beside the outputs: its folder and the name of the job
+// file, with ".batch" and `ending`. The shares of a batch have files of their own.
 std::string ReportName(const BatchPlan& plan, const BatchShare& share, const std::string& ending);
 
 // Throws InputError if the job file is no longer what was read.
 void CheckUnchanged(const BatchPlan& plan);
 
-// Returns the bytes for which "4GiB", "512 MB" or "100000" stands, or 0 where it stands for none.
+// Returns the bytes for which "4GiB", "512 MB" or "100000" stands, or 0 for other text.
 std::uint64_t ParseBytes(const std::string& text);
 
 }  // namespace skywave

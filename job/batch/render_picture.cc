@@ -53,7 +53,7 @@ bool IsFinished(const std::string& exr, const RenderJob& job, const PictureIdent
            ValueOf(metadata, "limits") == LimitWords(limits) &&
            ValueOf(metadata, "command") == RepeatCommand(identity, PartOf(job, samples));
   } catch (const std::exception&) {
-    return false;  // it is not even a picture of ours
+    return false;  // not a picture of this program
   }
 }
 
@@ -120,7 +120,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   PictureResult result = {.status = PictureStatus::kSkipped, .load_seconds = ready.load_seconds};
   const std::string checkpoint = CheckpointBeside(picture.output);
   if (!settings_.force && IsFinished(picture.output, job, ready.identity, limits)) {
-    // A run that was killed as soon as the picture was complete has left it.
+    // It was left by a run that was killed right after the picture was complete.
     std::filesystem::remove(checkpoint);
     result.hash = HashText(ReadFile(picture.output));
     return Known(std::move(result));
@@ -134,7 +134,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   if (watcher.begin) {
     const std::uint64_t samples = std::uint64_t(options.width) * std::uint64_t(options.height) *
                                   ChooseSamples(limits, options.samples_per_pixel).count();
-    watcher.begin(limits.adaptive > 0 ? 0 : samples);  // nobody knows how many will do
+    watcher.begin(limits.adaptive > 0 ? 0 : samples);  // their number is not known beforehand
   }
   RenderedFilm rendered = RunSession(
       job, ready.identity,
@@ -149,7 +149,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
                 rendered = std::move(rendered), identity = ready.identity, aovs = options.aovs,
                 format = ready.request.format, threads = options.threads,
                 limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {
-    // The future would keep both until somebody asks for its result.
+    // The future would keep both until its result is taken.
     const std::shared_ptr<void> held = std::move(room);
     const RenderedFilm source = std::move(rendered);
     const Clock::time_point start = Clock::now();

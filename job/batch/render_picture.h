@@ -20,7 +20,7 @@
 
 namespace skywave {
 
-// Who watches a picture; each function may be empty.
+// The callbacks of a picture; each may be empty.
 struct PictureWatcher {
   std::function<void(std::uint64_t samples)> begin;  // rendering begins, of so many samples
   Teller tell;                                       // see SessionRequest
@@ -37,10 +37,10 @@ class PictureRenderer {
   // The plan must outlive the renderer.
   PictureRenderer(const BatchPlan& plan, const PictureSettings& settings);
 
-  // Renders a picture unless it is there already: files are known by what they record. The future
-  // has its result once the EXR and the PNG are written and the EXR has been read back. `next` is
-  // the picture that is read meanwhile; null: none. A picture whose render is stopped leaves a
-  // checkpoint, from which a later batch goes on. Throws InputError, and RenderCanceled.
+  // Renders a picture unless it is there already: files are recognised by what they record. The
+  // future has its result once the EXR and the PNG are written and the EXR has been read back.
+  // `next` is the picture that is read meanwhile; null: none. A picture whose render is stopped
+  // leaves a checkpoint, from which a later batch goes on. Throws InputError, and RenderCanceled.
   std::future<PictureResult> Render(const BatchPicture& picture, const BatchPicture* next,
                                     const PictureWatcher& watcher);
 
@@ -55,8 +55,7 @@ class PictureRenderer {
   };
   Ready Read(const BatchPicture& picture);
 
-  // Waits until films of so many bytes more may be kept while they are written, and returns what
-  // makes room again once it is destroyed.
+  // Blocks until `bytes` more may be queued for writing; the returned guard releases them.
   std::shared_ptr<void> TakeRoom(std::uint64_t bytes);
 
   const BatchPlan& plan_;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kSummarySchema = "skywave-batch-1";
 
-// `output` is the name of the EXR that is told.
+// `output` is the name of the EXR in the report.
 nlohmann::ordered_json PictureJson(const BatchPicture& picture, const std::string& output) {
   nlohmann::ordered_json json = {
       {"index", picture.index}, {"output", output}, {"png", PngBeside(output)}};

@@ -1,4 +1,4 @@
-// Tells programs of a batch: its pictures, and what became of them.
+// Reports a batch to programs: its pictures, and what became of them.
 #pragma once
 
 #include <map>

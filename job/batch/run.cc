@@ -14,7 +14,7 @@ namespace skywave {
 namespace {
 
 // Pictures that are being written while others are rendered. Disks take their time to sync: with
-// one, a render now and then waits for the file of the picture before.
+// only one, a render would sometimes wait for the file of the picture before.
 constexpr std::size_t kMostWrites = 3;
 
 bool IsReady(const std::future<PictureResult>& result) {

@@ -37,7 +37,7 @@ struct PictureResult {
   std::vector<std::string> notes;  // what was assumed or left out, for the user
   std::string hash;                // of the bytes of the EXR
   std::string error;
-  int exit_code = 0;  // what the program would end with because of the error
+  int exit_code = 0;  // exit code that the error would give the program
 };
 
 // Renders a picture; the future has the result once it is written, which may be some pictures
@@ -59,7 +59,7 @@ struct BatchSummary {
   std::uint64_t samples() const;  // sum over the pictures that are begun
 };
 
-// Functions that are told how a batch goes; each may be empty.
+// Callbacks that report how a batch goes; each may be empty.
 struct BatchReporter {
   std::function<void(const BatchPicture& picture, std::size_t number, std::size_t count)> begin;
   std::function<void(const BatchPicture& picture, const PictureResult& result)> end;

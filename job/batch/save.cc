@@ -45,7 +45,7 @@ void BatchFiles::Save(const BatchSummary& run) {
   }
   WriteFileAtomically(ReportName(plan_, share_, ".json"),
                       SummaryJson(plan_, share_, summary).dump(1) + "\n");
-  // A page of many pictures is long, so it is never whole in memory.
+  // A page of many pictures is long, so it is never held in memory as a whole.
   WriteFileInPieces(ReportName(plan_, share_, ".html"), [&](const PieceWriter& out) {
     WriteBatchPage(plan_, summary, thumbnails_, out);
   });

@@ -17,7 +17,7 @@ struct SlurmPicture {
 };
 
 struct SlurmPlan {
-  std::string name;       // of the jobs, which tells them from those of other batches
+  std::string name;       // of the jobs, which distinguishes them from those of other batches
   std::string program;    // names of files are absolute, or relative to `directory`
   std::string directory;  // in which the commands are run
   std::string folder;     // of the scripts, their logs and the parts of pictures

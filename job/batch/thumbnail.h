@@ -8,7 +8,8 @@ namespace skywave {
 
 // Longer side of a thumbnail [pixels].
 inline constexpr int kThumbnailSide = 160;
-// A page has so many thumbnails inside, some 25 MB; pictures beyond are shown from their files.
+// A page embeds at most this many thumbnails, some 25 MB; further pictures are shown from their
+// files.
 inline constexpr std::size_t kMostThumbnails = 4000;
 
 struct Thumbnail {

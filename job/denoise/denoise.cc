@@ -14,7 +14,7 @@
 namespace skywave {
 namespace {
 
-// The rim of the features is like nothing in the picture.
+// The border of the features never matches the picture.
 constexpr float kNoCoverage = 1e4f;
 
 template <class F>
@@ -113,7 +113,7 @@ Denoised Denoise(const std::string& name, const Image& image,
       const float second = input.half_samples[pixel] / input.samples[pixel];
       for (std::size_t c = 0; c < 3; ++c) {
         const float light = (1 - second) * halves[c][0][at] + second * halves[c][1][at];
-        // Light that was spread is nowhere known to be right.
+        // Where light was spread, the picture is not known to be right.
         const float more = spread[c] != nullptr ? spread[c][at] : 0;
         result.image.rgb[3 * pixel + c] = light * textures[c][at] + more;
         const float error2 = errors[c][at] * textures[c][at] * textures[c][at] + more * more;

@@ -2,9 +2,10 @@
 // training. kernels/cross_filter.h has the filter; here are the planes that it works on.
 //
 // What is filtered is the light that falls on surfaces: the picture divided by the albedo of what
-// the pixel shows, so textures stay as they are. Single samples that are far too bright are told by
-// the halves of the samples: one half has them, and the other half has nothing like it in the
-// pixels around. Their excess is spread over the surface around them, so energy is kept.
+// the pixel shows, so textures stay as they are. Outliers, single samples that are far too bright,
+// are found by comparing the halves of the samples: one half has them, and the other half has
+// nothing as bright in the pixels around. Their excess is spread over the surface around them, so
+// energy is kept.
 //
 // All of it is local: a pixel depends on those at most 12 pixels away, and near outliers on those
 // at most 84 pixels away. The bytes do not depend on threads, tiles or instruction sets.
@@ -34,7 +35,7 @@ struct Denoised {
 // a value is not finite, or where a pixel has too few samples.
 Denoised Denoise(const std::string& name, const Image& image, std::span<const NamedChannel> layers);
 
-// Returns one line that tells what was done with outliers, or nothing if there were none.
+// Returns one line that says what was done with outliers, or nothing if there were none.
 std::string OutlierNote(const Denoised& denoised);
 
 }  // namespace skywave

@@ -15,7 +15,7 @@ namespace skywave {
 AovSet DenoiserLayers();
 std::vector<std::string> DenoiserChannels();
 
-// Halves of fewer samples know too little of their variance.
+// With fewer samples the variance of a half is too uncertain.
 inline constexpr std::uint32_t kFewestDenoiserSamples = 8;
 
 // Returns whether every pixel has enough samples in both halves. The layers are there.

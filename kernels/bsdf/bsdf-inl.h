@@ -62,7 +62,7 @@ struct ShadingLanes {
 HWY_INLINE V3 ColorOf(const SurfaceColumns& s, std::uint32_t i) {
   return Load3(s.color_r + i, s.color_g + i, s.color_b + i);
 }
-// Returns the index of the first word of the material of each row; rows behind n get material 0.
+// Returns the index of the first word of the material of each row; rows beyond n get material 0.
 HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
   const VU material = hn::And(Load(s.material + i), SetU(kMaterialMask));
   return hn::ShiftLeft<kLogMaterialWords>(hn::IfThenElseZero(RowsBelow(i, n), material));
@@ -170,7 +170,7 @@ inline constexpr bool kDiffuseThrough = requires(const Bsdf& bsdf, const V3& wo)
   bsdf.DiffuseThrough(wo);
 };
 
-// The part of the light of one vector of surfaces that is known in the mean.
+// The part of the light of one vector of surfaces that is known analytically.
 template <class Bsdf>
 class DiffuseControl {
  public:
@@ -388,7 +388,7 @@ void DrawRows(const SurfaceColumns& s, const MaterialView& materials,
 
 // Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
 // With `kMoved`, origins may lie behind the surface (MoveOrigins). `control`, where it is not null,
-// is the weight of what is known in the mean.
+// is the weight of what is known analytically.
 template <bool kMoved = false>
 HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
                                          std::uint32_t i, std::uint32_t n, const V3& world,
@@ -469,7 +469,7 @@ std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView&
     const VF zero = hn::Zero(F()), roulette = Load(uniforms.lobe.v + i);
     MF alive = hn::Gt(sample.pdf, zero);
     if constexpr (kControlled) {
-      // What is known does not ask which side of the triangle the direction is on.
+      // What is known does not depend on which side of the triangle the direction is.
       const DiffuseControl<Bsdf> diffuse(*policy.control, bsdf, lanes, i, RowsBelow(i, n));
       V3 control = weight;
       if constexpr (!kOnlyDiffuse<Bsdf>) {
@@ -527,8 +527,8 @@ HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
           FresnelConductor(c, eta.z, k.z)};
 }
 
-// FresnelDielectric tells how a dielectric splits unpolarised light that meets it at cosine cos_o;
-// `ratio` is the index on the light's side over that on the other one.
+// FresnelDielectric gives the split by a dielectric of unpolarised light that meets it at cosine
+// cos_o; `ratio` is the index on the light's side over that on the other one.
 struct Refraction {
   VF reflectance;  // by Fresnel; 1 for total reflection
   VF cosine;       // of the refracted ray, by Snell

@@ -65,14 +65,14 @@ enum class Transport {
 };
 
 // The control variate of diffuse light (kernels/lights/irradiance.h). Of the value of a BSDF, the
-// part that is a constant times the cosine is known in the mean if nothing hides the map; what is
+// part that is a constant times the cosine is known analytically if nothing hides the map; what is
 // subtracted for it goes to `out`, one row for each light sample, or for each ray that scatters.
 struct LightControl {
   IrradianceView irradiance;
   const float* weight = nullptr;  // of the control at each surface; null: 1
   // True for one of the light samples of a surface: its row takes the integral of the control.
   bool with_integral = false;
-  // Light samples reach so far; those of the map infinitely far. Null: all are of the map.
+  // Shadow-ray length per light sample; infinity for the map. Null: all are of the map.
   const float* reach = nullptr;
   ControlColumns out;
 };
@@ -84,8 +84,8 @@ struct ScatterPolicy {
   bool roulette = false;
   std::uint32_t first_row = 0;  // row of the slice's row 0 in the whole surface table
   Transport transport = Transport::kRadiance;
-  // Rays whose light is known in the mean are controlled, and rays that carry nothing but a control
-  // go on too. Null: there is no control.
+  // Rays whose light is known analytically are controlled, and rays that carry nothing but a
+  // control go on too. Null: there is no control.
   const LightControl* control = nullptr;
 };
 
@@ -164,7 +164,7 @@ struct BsdfTraits {
   std::optional<MaterialField> across = {};
   bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
-  MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)
+  MaterialParameter parameters[8] = {};  // after the last one they have no name (ParametersOf)
   // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the
   // BSDF has no parameters.
   void (*pack)(const Material& material, MeasuredBrdfs measured, MaterialRecord& record) = nullptr;
@@ -189,8 +189,8 @@ struct BsdfKernels : BsdfTraits {
                           std::uint32_t n, const MisPolicy& mis,
                           const LightColumns& lights) = nullptr;
 
-  // Does so and writes rows [0, n) of control.out, which are 0 where no part of the BSDF is known
-  // in the mean. Null for delta BSDFs.
+  // The same, and writes rows [0, n) of control.out, which are 0 where no part of the BSDF is known
+  // analytically. Null for delta BSDFs.
   void (*evaluate_controlled_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                                      std::uint32_t n, const MisPolicy& mis,
                                      const LightControl& control,
@@ -211,7 +211,7 @@ struct BsdfKernels : BsdfTraits {
   void (*weigh_cell)(const SurfaceColumns& surfaces, const MaterialView& materials, std::uint32_t n,
                      const LightCell* cells, const std::uint32_t* cell, float* weight) = nullptr;
 
-  // Draws a direction for rows [0, n) and writes it to `dir` of `directions`; `evaluate` tells its
+  // Draws a direction for rows [0, n) and writes it to `dir` of `directions`; `evaluate` gives its
   // value and density. Null for delta BSDFs.
   void (*draw)(const SurfaceColumns& surfaces, const MaterialView& materials,
                const ScatterUniforms& uniforms, std::uint32_t n,

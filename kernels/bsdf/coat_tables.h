@@ -7,10 +7,10 @@
 // mean over all azimuths: tables of cosines suffice, and the reflections to and fro are a linear
 // system (the method is that of adding and doubling, van de Hulst 1980).
 //
-// Over a diffuse body this is exact: light that has touched the body has forgotten where it came
-// from, so the BSDF is the coat's own lobe and a product of two functions, one for each direction.
-// Over a metal the lobe is that of the metal as seen through a smooth coat, times such a product,
-// which is chosen so that every directional albedo is exact.
+// Over a diffuse body this is exact: the direction of light that has touched the body no longer
+// depends on where it came from, so the BSDF is the coat's own lobe and a product of two functions,
+// one for each direction. Over a metal the lobe is that of the metal as seen through a smooth coat,
+// times such a product, which is chosen so that every directional albedo is exact.
 #pragma once
 
 #include <array>

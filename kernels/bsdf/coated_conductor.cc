@@ -1,7 +1,7 @@
 // A conductor under a dielectric coat (tabled_coat-inl.h). The metal meets the coat and not air:
 // its index counts relative to that of the coat, and its lobe is that of the refracted directions.
-// What the coat takes, and what light that goes to and fro between both adds, are factors for both
-// directions, by which directional albedos are exact.
+// What the coat takes away, and what reflections between coat and metal add, are factors of both
+// directions that make directional albedos exact.
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 

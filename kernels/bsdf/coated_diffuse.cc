@@ -1,5 +1,5 @@
 // A diffuse body under a dielectric coat, smooth or rough, clear or not (tabled_coat-inl.h). Light
-// that the body reflects goes to and fro below the coat, which makes its colours deeper: a
+// is reflected between the body and the coat, which makes the colours of the body deeper: a
 // reflectance r shows as r / (1 - r F), where F is the share that the coat throws back.
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"

@@ -75,7 +75,7 @@ float ConductorMultiscatter(const ConductorTables& tables, float alpha, float et
 
 // The same albedo for facets of two widths. Places are equally spaced in the square roots of the
 // widths and of the cosine, from 0 to 1, and in |y| / (|x| + |y|) of the direction, whose x is
-// along the first width. Interpolation in all four makes errors of 0.2 % in the mean, and of 1 % at
+// along the first width. Interpolation in all four makes errors of 0.2 % on average, and of 1 % at
 // most at cosines above 0.1, or 1.5 % where one width is six times the other or more.
 inline constexpr std::uint32_t kTabledWidths = 12, kTabledCosines = 16, kTabledAzimuths = 13;
 struct AnisotropicTables {

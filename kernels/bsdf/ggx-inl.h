@@ -102,7 +102,7 @@ struct Ggx {
   VU table_row;
 };
 
-// Returns the widths of Varying::kAlpha. Rows behind the end hold anything, hence the clamp.
+// Returns the widths of Varying::kAlpha. Rows beyond the end hold anything, hence the clamp.
 HWY_INLINE Ggx VariedGgx(const SurfaceColumns& s, std::uint32_t i) {
   return Ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f));
 }

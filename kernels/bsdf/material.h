@@ -28,7 +28,7 @@ struct MeasuredBrdf {
   float alpha = 1, specular_share = 0;
 };
 
-// The parts of a material. Fields of a part that a material does not have mean nothing.
+// The parts of a material. Fields of a part that a material does not have are unused.
 enum class MaterialPart {
   kBsdf,
   kTextures,
@@ -53,8 +53,8 @@ struct Material {
   glm::vec3 reflectance{0.5f};
   glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
   glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
-  // Conductors: not these count, but the metal with eta = 1 that reflects the reflectance, times
-  // its texture, at normal incidence.
+  // Conductors: if set, eta and k are derived from the reflectance times its texture: those of the
+  // metal with eta = 1 that reflects it at normal incidence.
   bool metal_of_color = false;
   // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
   // is 2 / alpha^2 - 2.
@@ -78,8 +78,9 @@ struct Material {
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
   // BSDFs with an inside: the light lost there, by Beer and Lambert [1/length].
   glm::vec3 absorption{0.0f};
-  // Conductors but Beckmann's, rough dielectrics: false: the light that facets scatter more than
-  // once is lost. Glass of two widths with an image of them has no table, and always loses it.
+  // All conductors but Beckmann's, and rough dielectrics: if false, the light that facets scatter
+  // more than once is lost. Glass of two widths with an image of them has no table, and always
+  // loses it.
   bool energy_compensation = true;
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
   // square roots of alpha (green) and of alpha_across, or of coat_alpha of coated conductors (red),
@@ -96,7 +97,7 @@ struct Material {
   std::optional<std::uint32_t> normal_texture;
   float normal_scale = 1;
   bool height_in_texels = false;
-  // A hit has one of two other materials: of this one only opacity and emission count then.
+  // Set: a hit has one of two other materials, and only opacity and emission of this one count.
   std::optional<Mixture> mixture;
   std::optional<std::uint32_t> mixture_texture;  // its first channel, in place of the share
   // The radiance of the surface itself, on the side of its normals or on both; the texture is a

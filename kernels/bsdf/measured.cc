@@ -24,7 +24,7 @@ struct Measured {
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
         table(m.measured),
-        // Rows behind the end have material 0, whose BSDF may be another one.
+        // Rows beyond the end have material 0, whose BSDF may be another one.
         first(hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kTable))),
         ggx(Field(m, fields, kAlpha)),
         share(Field(m, fields, kSpecularShare)) {}

@@ -26,7 +26,7 @@ namespace HWY_NAMESPACE {
 struct MetallicRoughness {
   HWY_INLINE MetallicRoughness(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                std::uint32_t n)
-      // Rows behind the end hold anything, hence the clamps.
+      // Rows beyond the end hold anything, hence the clamps.
       : ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f)),
         color(ColorOf(s, i)),
         tables(*m.conductor),

@@ -31,7 +31,7 @@ void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value) 
 float MicrofacetWidth(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
 
 void PackConductorIndex(const Material& material, MaterialRecord& record) {
-  // No index is negative (MetalOfColor); other BSDFs do not know of that.
+  // No index is negative (MetalOfColor); other BSDFs do not use this field.
   const bool knows = material.bsdf == BsdfKind::kConductor ||
                      material.bsdf == BsdfKind::kAnisotropicConductor ||
                      material.bsdf == BsdfKind::kBeckmannConductor;

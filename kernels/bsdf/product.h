@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kProductStride = PaddedRows(kProductRows);
 // The places where a chunk of surfaces draws its samples.
 struct CellPicks {
   alignas(64) std::uint32_t cell[kProductStride];
-  alignas(64) float x[kProductStride];            // rest of the uniform behind the pick, in [0, 1)
+  alignas(64) float x[kProductStride];            // rest of the uniform after the pick, in [0, 1)
   alignas(64) float probability[kProductStride];  // that of the cell; 0: no cell has weight
 };
 

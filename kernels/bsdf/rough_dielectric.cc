@@ -25,7 +25,7 @@ namespace HWY_NAMESPACE {
 struct InterfaceLosses {
   HWY_INLINE InterfaceLosses(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
       : words(reinterpret_cast<const float*>(m.dielectrics)) {
-    // Rows behind the end have another material.
+    // Rows beyond the end have another material.
     const VU table = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kDielectricTable));
     lanes = hn::RebindMask(F(), hn::Ne(table, hn::Zero(U())));
     any = !hn::AllFalse(F(), lanes);

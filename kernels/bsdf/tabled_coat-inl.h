@@ -1,6 +1,6 @@
-// A dielectric coat over a BSDF that knows it, by tables of the material (coat_tables.h): the lobe
-// of the coat itself, by exact Fresnel reflectance, the light that its medium returns, and `Below`,
-// whose value has what the coat lets through in both directions.
+// A dielectric coat over a BSDF that takes it into account, by tables of the material
+// (coat_tables.h): the lobe of the coat itself, by exact Fresnel reflectance, the light that its
+// medium returns, and `Below`, whose value has what the coat lets through in both directions.
 #if defined(SKYWAVE_KERNELS_TABLED_COAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_TABLED_COAT_INL_H_
 #undef SKYWAVE_KERNELS_TABLED_COAT_INL_H_
@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 struct CoatLanes {
   HWY_INLINE CoatLanes(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
       : words(reinterpret_cast<const float*>(m.coats)) {
-    // Rows behind the end have another material.
+    // Rows beyond the end have another material.
     const VU index = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kCoatTable));
     first = index * SetU(kCoatWords);
     medium = hn::And(hn::RebindMask(F(), RowsBelow(i, n)),

@@ -74,7 +74,7 @@ void ForEachVisibleFacet(double x_width, double y_width, const Facing& wo, const
   }
 }
 
-// Does so over all turns, by a lattice: what facets do may jump from one to the next.
+// The same over all turns, by a lattice, because the result may jump from one facet to the next.
 template <class F>
 void ForEachVisibleFacet(double x_width, double y_width, const Facing& wo, int turns, int heights,
                          const F& f) {
@@ -83,7 +83,7 @@ void ForEachVisibleFacet(double x_width, double y_width, const Facing& wo, int t
                       2 * std::numbers::pi, 1 / std::numbers::phi, turns, heights, f);
 }
 
-// Does so for facets of one width, as seen from a direction in the plane y = 0 at cosine `mu`.
+// The same for facets of one width, as seen from a direction in the plane y = 0 at cosine `mu`.
 template <class F>
 void ForEachVisibleFacet(double alpha, double mu, int turns, int heights, const F& f) {
   const double sine = std::sqrt(1 - mu * mu);

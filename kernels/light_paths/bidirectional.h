@@ -32,7 +32,7 @@ struct SubpathColumns {
   // not count.
   float* d_vcm;
   // The ratio of all techniques that connect farther back, without the density with which the
-  // vertex at hand samples back (dVC).
+  // current vertex samples back (dVC).
   float* d_vc;
 
   template <class Self, class F>
@@ -71,7 +71,7 @@ void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, st
                   const TurnedColumns& turned);
 
 // Clears values and densities of rows [0, n) of `values` whose wo is below the geometric or the
-// shading surface: BSDFs take wo to be above, so they mean nothing there.
+// shading surface: BSDFs take wo to be above, so values there are meaningless.
 void ClearUnseen(const SurfaceColumns& surfaces, std::uint32_t n, const BsdfValueColumns& values);
 
 // Starts the sub-paths of rows [0, n) at the eye. `density` is that of their rays, one sample per

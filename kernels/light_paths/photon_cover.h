@@ -42,8 +42,8 @@ struct DiskSurface {
 };
 
 // Returns true if neighbors [0, n) leave no doubt that their disk is surface all over: all lie on
-// it in one layer, on its upper side, and hardly any cell is without. A doubt costs nothing but
-// time.
+// it in one layer, on its upper side, and hardly any cell is without. In doubt it returns false,
+// which costs only time.
 bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns& photons,
                 const PointTreeView& tree, const NeighborColumns& found, std::uint32_t n);
 

@@ -32,7 +32,7 @@ enum class PhotonKernel {
   kEpanechnikov  // 2 / (pi r^2) (1 - d^2 / r^2)
 };
 
-// A surface looks for photons around it by such a query.
+// The query by which a surface looks for photons around it.
 struct PhotonQuery {
   PhotonKernel kernel;
   float radius2;            // squared radius of the disk, > 0

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Returns the places of one vector of rows; rows behind n get place 0.
+// Returns the places of one vector of rows; rows beyond n get place 0.
 HWY_INLINE VU PlacesOf(const GuideColumns& rows, std::uint32_t i, std::uint32_t n) {
   const MF used = hn::RebindMask(F(), RowsBelow(i, n));
   return ToUnsigned(hn::IfThenElseZero(used, Load(rows.place + i)));
@@ -131,7 +131,7 @@ void DrawGuided(const BounceGuideView& guide, const GuideColumns& rows,
       hwy::Prefetch(guide.lines.level[0] + place[i]);
       hwy::Prefetch(guide.place + place[i]);
     }
-    // Rows behind the last one are searched with its vector.
+    // Rows beyond the last one are searched with its vector.
     for (std::uint32_t i = n; i % kPadRows != 0; ++i) place[i] = 0, u[i] = v[i] = 0;
     Search(guide.lines, place, v, n, line, [&](std::uint32_t i, std::uint32_t found) {
       tree[i] = place[i] * kBounceSide + found;

@@ -41,7 +41,7 @@ struct BounceGuideView {
 struct GuideColumns {
   float* place;           // FindPlaces
   float* share;           // of guided directions, 0 where the BSDF alone draws
-  float* pdf;             // density of the direction at hand in the guide [1/sr]
+  float* pdf;             // density of the current direction in the guide [1/sr]
   std::uint32_t* guided;  // rows of a range that the guide draws, one after the other
 
   template <class Self, class F>
@@ -71,7 +71,7 @@ void FindGuideDensities(const BounceGuideView& guide, std::uint32_t n,
                         const LightColumns& directions, const GuideColumns& rows);
 
 // Decides by the direction's uniform u of rows [0, n) whether the guide draws: writes those rows to
-// `guided` and returns their number. What u has left is uniform again.
+// `guided` and returns their number. The rest of u is uniform again.
 std::uint32_t ChooseGuided(const GuideColumns& rows, std::uint32_t n,
                            const UniformColumns& direction, std::uint32_t* guided);
 

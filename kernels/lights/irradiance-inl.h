@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 // One vector of normals and the nodes next to them.
 class IrradianceLanes {
  public:
-  // Rows behind the last one, which are not among `rows`, may have any normal.
+  // Rows beyond the last one, which are not among `rows`, may have any normal.
   HWY_INLINE IrradianceLanes(const IrradianceView& view, const V3& world_normal, MU rows)
       : nodes_(view.nodes) {
     const float* r = view.map_from_world;

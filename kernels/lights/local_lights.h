@@ -62,10 +62,9 @@ inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 
 // Puts a light sample into each of rows [0, n) whose uniforms.u picks a light: dir, r, g, b and pdf
 // of `out`, and in `reach` its distance, less a margin that keeps its own triangle from being hit.
-// The other rows keep their sample of something else, with an infinite reach. Points on triangles
-// are uniform in area. `samples` is the number of picks per surface, which densities include.
-// `places`, if it is not null, gets the points: triangle, u and v; geom is kNoHit in rows without
-// one.
+// The other rows keep what they hold, with an infinite reach. Points on triangles are uniform in
+// area. `samples` is the number of picks per surface, which densities include. `places`, if it is
+// not null, gets the points: triangle, u and v; geom is kNoHit in rows without one.
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
                        std::uint32_t n, float samples, const LightColumns& out, float* reach,

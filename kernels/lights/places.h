@@ -1,5 +1,5 @@
-// Places are parts of the scene and of the directions of normals. A pilot learns for each of them
-// which light arrives there.
+// Places are parts of the scene and of the directions of normals. A pilot learns which light
+// arrives at each of them.
 #pragma once
 
 #include <cstdint>

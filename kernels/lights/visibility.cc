@@ -29,8 +29,8 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
     const VU found = ToUnsigned(hn::IfThenElseZero(used, Load(light_norm + i)));
     Store(hn::Min(found, last), place + i);
   }
-  // Places of neighbours differ, so the roots of all rows are on their way at a time, and so is
-  // everything behind them.
+  // Places of neighbours differ, so the roots of all rows are fetched at the same time, and so are
+  // the levels after them.
   for (std::uint32_t i = 0; i < n; ++i) hwy::Prefetch(picks.trees.level[0] + place[i]);
   Search(picks.trees, place, uniforms.u, n, search, [](std::uint32_t, std::uint32_t) {});
   for (std::uint32_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// These functions load what kernels read of one vector of rows, by name.
+// Functions that load the named columns of one vector of rows.
 #if defined(SKYWAVE_KERNELS_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_ROWS_INL_H_
 #undef SKYWAVE_KERNELS_ROWS_INL_H_

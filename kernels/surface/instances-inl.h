@@ -35,8 +35,8 @@ class InstanceLanes {
   HWY_INLINE V3 Normal(const V3& n) const {
     return {Dot(Row(0), n), Dot(Row(1), n), Dot(Row(2), n)};
   }
-  // Returns a direction in the object as a unit vector of the world, turned round if the instance
-  // mirrors: no BSDF minds that, and objects with normal maps have no such instance
+  // Returns a direction in the object as a unit vector of the world, reversed if the instance
+  // mirrors: no BSDF depends on that, and objects with normal maps have no such instance
   // (scene/instances.h).
   HWY_INLINE V3 Direction(const V3& d) const {
     const Rows m = Matrix();

@@ -1,6 +1,6 @@
 // Alpha decides whether a ray hits a triangle whose material is not opaque everywhere.
 //
-// Embree asks while it traverses, for one candidate hit after the other, so this is scalar. The
+// Embree calls this while it traverses, for one candidate hit after the other, so it is scalar. The
 // answer is a function of the key of the ray and of the triangle: it depends neither on the order
 // in which Embree comes upon triangles nor on how often it asks. Textures are read at level 0, by
 // the arithmetic of kernels/surface/texture-inl.h: a filtered mask would have no edge, and many

@@ -4,7 +4,7 @@
 // as a cone of `pixel_angle` over the length of the ray (Akenine-Moller et al. 2021, "Improved
 // Shader and Texture Level of Detail Using Ray Cones", Section 3): the geometric mean of both axes
 // of the ellipse, rounded down. The cone starts anew at every surface, so textures seen in mirrors
-// or by scattered light are sharper than need be, never more blurred.
+// or by scattered light are sharper than necessary, never more blurred.
 #pragma once
 
 #include <cstdint>

@@ -25,8 +25,8 @@ constexpr double kLeastFrequency = 1e-12;
 
 // Holds the clusters that are left, contiguously; a merged one is replaced by the last. Each knows
 // its partner of least error among those of more frequency and, if separation matters, its nearest
-// in space; both are kept exact. With partners among all, one sample of little frequency would be
-// the partner of all others, and merging it would make all of them search again.
+// in space; both are kept exact. If partners were sought among all, one sample of little frequency
+// would be the partner of all others, and merging it would make all of them search again.
 class PairwiseMerger {
  public:
   PairwiseMerger(std::span<const Vector3> samples, std::span<const double> frequencies,
@@ -147,8 +147,8 @@ class PairwiseMerger {
     std::vector<std::size_t> orphans;
     for (std::size_t k = 0; k < size(); ++k) {
       if (k == i) continue;
-      // A partner no worse than the one that k has lost is the best there is: without this, clouds
-      // of equal samples would be searched again and again.
+      // A partner no worse than the one that k has lost is the best possible: without this test,
+      // clouds of equal samples would be searched again and again.
       const double error = error_partner_[k].measure, near = near_partner_[k].measure;
       if (lost_error[k]) error_partner_[k].measure = std::nextafter(error, kInfinity);
       if (lost_near[k]) near_partner_[k].measure = std::nextafter(near, kInfinity);

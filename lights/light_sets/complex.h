@@ -1,4 +1,4 @@
-// Tilings take a point or vector of the plane as a complex number: a product turns and scales.
+// Points and vectors of the plane as complex numbers, for tilings: a product turns and scales.
 #pragma once
 
 namespace skywave {

@@ -10,7 +10,7 @@ namespace skywave {
 namespace {
 
 constexpr int kPairs = 2048;
-// Blocks are at most so many down, parts of texels at least so many.
+// The largest number of rows of blocks, and the least number of rows of parts of texels.
 constexpr int kMostDown = 256, kLeastDown = 128;
 constexpr std::size_t kLanes = 8;
 
@@ -74,7 +74,7 @@ double Irradiance(const Blocks& blocks, const Vector3& normal, const Vector3& wa
   return sum;
 }
 
-// Returns the number with the digits of `index` to base `base` behind the point, in reverse (Halton
+// Returns the number with the digits of `index` in base `base` after the point, in reverse (Halton
 // 1960).
 double RadicalInverse(int base, int index) {
   double value = 0, digit = 1.0 / base;

@@ -1,5 +1,5 @@
-// The bias of directional lights that stand for a map: how far the light that arrives is from the
-// map's where something hides half of it.
+// The bias of directional lights that stand for a map: the error of the light that arrives where
+// something hides half of the map.
 //
 // Lights of cells have nearly the irradiance of the map where nothing hides it, because each has
 // the centroid of its cell. What shows is the shadow: a cell across an edge of what hides the map

@@ -1,5 +1,5 @@
-// Directional lights are built that stand for a map, or a stratum of it. The parameters that
-// several strategies share are in one place here.
+// Builds directional lights that stand for a map, or for a stratum of it. Also defines the
+// parameters that several strategies share.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +54,7 @@ inline constexpr auto kEnumNames<ClusterFrequency> =
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
 inline constexpr int kMostLights = 30000;
 
-// Returns what BuildLights has chosen, for the user; empty where it had no choice.
+// Describes to the user what BuildLights has chosen; empty if it had no choice.
 std::string NoteOfLights(const LightSet& set);
 
 // Returns the parameters behind LightOptions, for the table of strategies. Strategies that take

@@ -1,5 +1,4 @@
-// A map is turned into a set of lights by any method; `skywave probe` uses this folder through
-// here.
+// Turns a map into a set of lights by any method: the interface of this folder for `skywave probe`.
 #pragma once
 
 #include <cstdint>

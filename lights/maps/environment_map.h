@@ -1,5 +1,5 @@
-// An illumination map is a lat-long picture of finite, non-negative radiance and its orientation in
-// the world.
+// An illumination map is a lat-long picture of finite, non-negative radiance, with its orientation
+// in the world.
 #pragma once
 
 #include <array>

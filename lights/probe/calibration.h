@@ -1,4 +1,4 @@
-// The calibration map shows the axes of a map in any renderer.
+// The calibration map shows how a renderer orients maps.
 #pragma once
 
 #include <array>

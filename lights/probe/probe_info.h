@@ -1,4 +1,4 @@
-// A map is described before it lights anything.
+// Describes a map before it lights anything.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 namespace skywave {
 namespace {
 
-// The defaults of the strategies themselves.
+// The default of the strategies themselves.
 constexpr int kProductCells = 96;
 constexpr std::uint32_t kPortalTexels = 1024;
 constexpr double kPortalShare = 0.125;

@@ -6,8 +6,8 @@
 //   compensate=1/n  that of `importance`, which `visibility` has too
 //
 // Unbiased, as all of them are, since the pilot has random numbers of its own. It chooses as if
-// there were no control variate. Before the pilot has chosen, and with `photon` and `vpl`, it is
-// `importance`; integrators whose light paths start with the strategy's own samples refuse it.
+// there were no control variate. Before the pilot has chosen, and with `photon` and `vpl`, it acts
+// as `importance`; integrators whose light paths start with the strategy's own samples refuse it.
 #pragma once
 
 #include <optional>

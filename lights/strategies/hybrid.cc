@@ -24,8 +24,8 @@ struct StratumColumns {
   }
 };
 
-// B is drawn by what a uniform has left once it has not picked a light of A (SplitUniforms). Light
-// samples lend t_far, which nobody writes until they are evaluated.
+// Stratum B reuses the rescaled uniform (SplitUniforms). t_far of light samples is free until they
+// are evaluated, so it holds that uniform.
 struct StratumUniforms : Borrowed<StratumColumns> {
   StratumUniforms(const LightColumns& samples, std::uint32_t n)
       : Borrowed({samples.t_far}, n, "StratumUniforms") {}
@@ -69,8 +69,8 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   note_ = NoteOfLights(lights);
   lights_.emplace(lights.lights, map.map_from_world);
 
-  // An escaped ray sees as a light what random samples could have found: B, and A where its cells
-  // are sampled inside, but nothing of what lights stand for.
+  // An escaped ray sees as a light what random samples could have found: B, and A if its cells are
+  // sampled inside, but not what directional lights stand for.
   const int width = map.latlong.width, height = map.latlong.height;
   if (options.presampled) {
     LightOptions rest = options.lights;

@@ -1,15 +1,14 @@
 // ris: resampled importance sampling (Talbot, Cline and Egbert 2005). Every light sample is chosen
 // among candidates drawn from the map (importance) and from the BSDF, in proportion to what they
-// would contribute if nothing were in between: one shadow ray for many evaluations. Worth it where
+// would contribute if nothing were in between: one shadow ray for many evaluations. Pays off where
 // rays cost more than evaluations.
 //
 // Parameters
 //   map=4    candidates from the map
 //   bsdf=1   candidates from the BSDF; 0 is right for maps without much light that lobes alone find
 //
-// Unbiased. BSDF sampling is among the candidates and the chosen direction has no density in closed
-// form, so rays that scatter see no light (as with directional lights), and --no-mis changes
-// nothing.
+// Unbiased. The candidates include BSDF samples, and the chosen direction has no density in closed
+// form, so rays that scatter see no light (as with directional lights), and --no-mis has no effect.
 #pragma once
 
 #include "kernels/lights/resampling.h"

@@ -140,8 +140,7 @@ std::optional<double> AutoValue(const StrategyValues& values, std::string_view k
   const std::optional<double> value =
       text.starts_with("auto:") ? ParseNumber(text.substr(5), low, high) : std::nullopt;
   if (!value) {
-    ThrowUsage(
-        fmt::format("{}={} needs a number from {} to {} behind auto:", key, text, low, high));
+    ThrowUsage(fmt::format("{}={} needs a number from {} to {} after auto:", key, text, low, high));
   }
   return value;
 }

@@ -20,7 +20,7 @@
 
 namespace skywave {
 
-// The points that light is sampled for, and what a strategy may have to know of them.
+// The points that light is sampled for, and what a strategy may need to know about them.
 struct ShadePoints {
   const SurfaceColumns& surfaces;
   const SurfaceRanges& ranges;  // rows of each BSDF
@@ -65,7 +65,7 @@ class EnvStrategy {
   virtual ~EnvStrategy() = default;
   virtual std::string_view name() const = 0;
   virtual std::size_t table_bytes() const = 0;
-  // Says what the strategy has chosen by itself, for the user; empty: nothing.
+  // Describes to the user what the strategy has chosen by itself; empty: nothing.
   virtual std::string note() const { return {}; }
 
   // Returns the samples that a surface takes where the user asks for `requested` of them.

@@ -47,7 +47,7 @@ double MeanCosine(const std::array<double, 3>& normal, const LightCell& cell) {
 
 using Visibility = std::vector<float>;  // of each cell: share of the rays that get out
 
-// Returns what `rays` tell of every cell, where `above` is expected.
+// Returns the estimate for every cell from `rays`, with `above` as the prior.
 Visibility Learn(std::span<const VisibilityRay> rays, const Visibility& above) {
   std::vector<std::uint32_t> all(above.size()), arrived(above.size());
   for (const VisibilityRay ray : rays) {

@@ -6,10 +6,11 @@
 // A place is a leaf of an octree over the surfaces whose normals are closest to the same axis; it
 // is split where the pilot has been often enough. Visibility of a cell from a place is a share of
 // rays, estimated in the Bayesian way (Vevoda, Kondapaneni and Krivanek 2018): the estimate of the
-// node above counts as a few rays more, so a place that has seen little is like its surroundings.
-// A cell weighs its energy times the cosine of the normals of the place times the square root of
-// its visibility, which gives the least variance where samples find either all or nothing (Rath et
-// al. 2020). The share of the density that diffuse BSDF samples contribute is taken out of it
+// node above counts as a few rays more, so a place with few rays is like its surroundings.
+// The weight of a cell is its energy times the cosine of the normals of the place times the square
+// root of its visibility, which gives the least variance where samples find either all or nothing
+// (Rath et al. 2020). The share of the density that diffuse BSDF samples contribute is taken out of
+// it
 // ("MIS Compensation", Karlik et al. 2019).
 //
 // Where light and normal alone do about as well, as in the open, nothing is kept, and samples are

@@ -16,9 +16,10 @@ struct PlaceBox {
   float side = 0;
 };
 
-// A word says where a surface is and how it faces. The bits, from the highest: the root of its
-// place, 12 x 3 bits of position in the order of the octrees, kPlaceWordFree bits for others (from
-// kPlaceWordShift on), 2 x 8 of the normal across its axis. So sorted words are sorted by place.
+// A word encodes where a surface is and which way it faces. The bits, from the highest: the root of
+// its place, 12 x 3 bits of position in the order of the octrees, kPlaceWordFree bits for others
+// (from kPlaceWordShift on), 2 x 8 of the normal across its axis. So sorted words are sorted by
+// place.
 using PlaceWord = std::uint64_t;
 inline constexpr std::uint32_t kPlaceWordShift = 16, kPlaceWordFree = 9;
 PlaceWord PackPlace(const PlaceBox& box, const std::array<float, 3>& org,

@@ -14,8 +14,8 @@ namespace skywave {
 class PortalTables {
  public:
   // Rectified maps have `texels` x `texels` texels, 1 to 4096. The energy of a texel is between
-  // that of the map inside it and that of its brightest point everywhere, as far as points of it
-  // tell, and at least that of the map's narrow texels whose middle lies in it: a sun cannot be
+  // that of the map inside it and that of its brightest point everywhere, as far as sample points
+  // show, and at least that of the map's narrow texels whose middle lies in it: a sun cannot be
   // missed. There are at most kMaxPortals portals.
   PortalTables(const Texels& map, std::span<const Portal> portals, std::uint32_t texels);
 

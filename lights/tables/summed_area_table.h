@@ -18,8 +18,8 @@ inline bool operator==(const Region& a, const Region& b) {
   return a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1;
 }
 
-// Rounding leaves a sum wrong by up to kSumNoise of the whole table's: nothing below that can be
-// told from zero.
+// Rounding leaves a sum wrong by up to kSumNoise of the whole table's: nothing below that differs
+// reliably from zero.
 inline constexpr double kSumNoise = 1e-12;
 
 template <int kChannels>

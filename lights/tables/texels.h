@@ -1,4 +1,5 @@
-// Lookups read a map in two forms: packed as a light, in full precision as it is seen.
+// A map in the two forms that lookups read: packed where it acts as a light, in full precision
+// where it is seen.
 #pragma once
 
 #include <cstdint>

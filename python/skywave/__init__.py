@@ -87,7 +87,7 @@ def probe(map, projection=""):
     """Returns what `skywave probe info --json` writes about a map: size, energy, suns, strata.
 
     `map` is an array, a Picture or a file; `projection` is a value of the option env_projection. If
-    it is empty, the shape of the map tells it.
+    it is empty, it follows from the shape of the map.
     """
     return json.loads(_core.describe_map(_convert.image(map, "map"),
                                          _convert.text(projection, "projection")))

@@ -74,5 +74,5 @@ def renamed(**arguments):
 
 
 def keywords(options):
-    """Does the same for options, whose keywords have underscores for dashes."""
+    """The same for options, whose keywords have underscores for dashes."""
     return renamed(**{keyword.replace("_", "-"): keyword for keyword in options})

@@ -18,7 +18,7 @@ namespace {
 enum class Interpolation { kLinear, kStep, kCubicSpline };
 
 // The keys of a sampler: times [s] that do not decrease, and `components` numbers of each value. A
-// key of a cubic spline has three values: the tangent before it, its own, and the tangent behind.
+// key of a cubic spline has three values: the tangent before it, its own, and the tangent after it.
 struct Keys {
   Interpolation interpolation = Interpolation::kLinear;
   std::vector<float> times, values;

@@ -1,7 +1,7 @@
 // Poses the nodes of a glTF file at a moment of its animations.
 //
 // Channels move translations, rotations and scales by samplers LINEAR (rotations: spherical), STEP
-// and CUBICSPLINE (glTF 2.0, 3.11 and appendix C). Before the first key and behind the last one a
+// and CUBICSPLINE (glTF 2.0, 3.11 and appendix C). Before the first key and after the last one a
 // property has the value of that key. Weights of morph targets are left at rest.
 #pragma once
 

@@ -24,7 +24,7 @@ struct Elements {
 };
 
 // Returns the elements in a buffer view as an accessor has them: `count` elements of `components`
-// numbers, the first one `offset` bytes behind the begin of the view. `name` is for errors.
+// numbers, the first one `offset` bytes after the beginning of the view. `name` is for errors.
 Elements ElementsOf(const tinygltf::Model& model, int buffer_view, std::size_t offset,
                     std::size_t count, int components, int component_type, const std::string& name,
                     const std::string& path) {
@@ -172,7 +172,7 @@ std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const 
   }
   const std::vector<unsigned char>& data = model.buffers[std::size_t(view.buffer)].data;
   if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
-    FailGltf(path, fmt::format("buffer view {} ends behind its buffer of {} bytes", buffer_view,
+    FailGltf(path, fmt::format("buffer view {} extends beyond its buffer of {} bytes", buffer_view,
                                data.size()));
   }
   return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};

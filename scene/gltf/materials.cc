@@ -188,8 +188,8 @@ void AddLayers(Context& context, const tinygltf::Material& from, Material& mater
   }
 }
 
-// The file may give the coat different normals from the base; it does so as well when it gives
-// normals to the base only.
+// The file may give the coat different normals from the base; also when it gives normals to the
+// base only.
 void WarnOfCoatNormals(Context& context, const tinygltf::Material& from) {
   const tinygltf::Value& coat = *Extension(from, "KHR_materials_clearcoat");
   const int normals =

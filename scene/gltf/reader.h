@@ -2,11 +2,11 @@
 //
 // The reader takes the triangles of the default scene (or the first one, or all nodes without a
 // parent if there is no scene), with every instance as a copy; its cameras, each named after its
-// node or else by itself, and with #NODE behind that if two have one name; its punctual lights; and
-// the materials described in gltf/materials.h. If a frame is asked for, nodes are where the
-// animations have them then (gltf/animation.h). The world is right-handed with y up. Buffers and
-// images lie in the file, in data: URIs or in files below its folder; absolute paths and paths with
-// .. are refused. Skins, morph targets, points and lines are left out.
+// node or else by itself, followed by #NODE if two have the same name; its punctual lights; and the
+// materials described in gltf/materials.h. If a frame is asked for, nodes are where the animations
+// have them then (gltf/animation.h). The world is right-handed with y up. Buffers and images lie in
+// the file, in data: URIs or in files below its folder; absolute paths and paths with .. are
+// refused. Skins, morph targets, points and lines are left out.
 #pragma once
 
 #include <string>

@@ -15,7 +15,7 @@ namespace skywave {
 // sampling is fitted to the falloff of the half angle.
 MeasuredBrdf ReadMerl(const std::string& path);
 
-// Does the same from memory; `path` is for messages.
+// The same from memory; `path` is for messages.
 MeasuredBrdf ParseMerl(std::string_view bytes, const std::string& path);
 
 }  // namespace skywave

@@ -12,7 +12,7 @@ namespace skywave {
 
 // Appends the triangles of `shapes` to the scene, sorted by material and by whether they are
 // smooth. tinyobjloader's material i is the scene's material i, and triangles without one get
-// material 0. `has_smoothing` tells whether the smoothing groups of the shapes are meaningful.
+// material 0. `has_smoothing` says whether the smoothing groups of the shapes are meaningful.
 void BuildObjMeshes(const tinyobj::attrib_t& attributes,
                     const std::vector<tinyobj::shape_t>& shapes, bool has_smoothing,
                     const std::string& path, Scene& scene);

@@ -11,8 +11,8 @@
 //
 // d (1 - Tr) is the fraction of rays that a surface other than glass stops, and map_d multiplies
 // it: the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump hold
-// normals if they are coloured; grey ones (except norm) hold heights. MTL does not define how high
-// white is: here it is bm hundredths of the width of the image.
+// normals if they are coloured; grey ones (except norm) hold heights. MTL does not define the
+// height of white: here it is bm hundredths of the width of the image.
 //
 // Ke is radiance, emitted on both sides (the format does not define the side, and windings of OBJ
 // files are not reliable). map_Ke multiplies it, or stands alone if there is no Ke.

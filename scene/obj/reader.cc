@@ -91,7 +91,7 @@ UsedMaterials FindUsedMaterials(const ObjStatements& statements, const std::stri
     const auto [entry, is_new] = used.by_name.try_emplace(first_word, index);
     if (!is_new && entry->second != index) {
       throw InputError(position, fmt::format("the material \"{}\" differs from another one only "
-                                             "behind a space: rename it",
+                                             "after a space: rename it",
                                              use.name));
     }
   }

@@ -384,7 +384,7 @@ Material Conductor(Context& context, bool v4) {
   material.alpha = widths.mean();
   material.roughness_texture = widths.texture;
   if (widths.solid) context.reader.solids.push_back(*widths.solid);
-  // Mirrors have one index for all places; facets of the least width are nearly one.
+  // A mirror has the same index everywhere; facets of the least width are nearly a mirror.
   if (widths.smooth() && !material.metal_of_color) {
     material.bsdf = BsdfKind::kMirror;
   } else if (widths.two()) {
@@ -398,8 +398,8 @@ Material Conductor(Context& context, bool v4) {
 float DielectricIndex(Context& context, std::initializer_list<std::string_view> names);
 
 // Reads the medium between the interfaces of a coat. Its thickness is an optical one, as pbrt has
-// it. pbrt's default is 0.01 without scattering, which takes 2 to 6 % of the light of a coat that
-// nobody has asked to be dim; here a medium counts if the file names one.
+// it. pbrt's default is 0.01 without scattering, which absorbs 2 to 6 % of the light of a coat
+// although no file asked for that; here a medium counts only if the file gives one.
 void SetCoatMedium(Context& context, Material& material) {
   const auto albedo = FindFraction(context, "albedo");
   const auto thickness = FindScalar(context, "thickness"), asymmetry = FindScalar(context, "g");

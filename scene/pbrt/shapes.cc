@@ -213,7 +213,7 @@ Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit, std::size_t& pa
   const std::vector<glm::vec2> uvs = FindUvs(parameters);
   CheckPerVertex(parameters, "N", normals.size(), positions.size());
   CheckPerVertex(parameters, "uv", uvs.size(), positions.size());
-  FindString(parameters, "emissionfilename");  // only tells pbrt where to draw light samples
+  FindString(parameters, "emissionfilename");  // pbrt only uses it to place light samples
   const std::vector<std::uint32_t> indices =
       RequireIndices(parameters, 4, "bilinear patches", positions.size());
   if (indices.size() / 4 > limit / (2 * kBilinearSteps * kBilinearSteps)) {

@@ -106,7 +106,7 @@ double ParseNumber(const PbrtSource& source, const PbrtToken& token) {
       error == std::errc::invalid_argument) {
     throw InputError(PositionOf(source, token), "a number is expected, not " + Describe(token));
   }
-  // Beyond the range of double, from_chars does not tell overflow from underflow.
+  // Beyond the range of double, from_chars does not distinguish overflow from underflow.
   if (error == std::errc::result_out_of_range)
     value = std::strtod(std::string(text).c_str(), nullptr);
   if (!(std::abs(value) <= std::numeric_limits<float>::max())) {

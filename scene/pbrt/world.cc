@@ -119,8 +119,8 @@ bool UsesUvs(const Scene& scene, std::uint32_t index, std::set<std::uint32_t>& s
   return uses;
 }
 
-// Returns whether pbrt's normals of a shape point to the other side than one would expect: those of
-// a loopsubdiv, which are computed against its winding, and those of a round shape that its
+// Returns whether pbrt's normals of a shape point to the side opposite to the expected one: those
+// of a loopsubdiv, which are computed against its winding, and those of a round shape that its
 // transform mirrors, because they are turned over before the transform and not after it. Round
 // lamps stay as they are: pbrt's light samples see them so, and its hits do not.
 bool TurnsPbrtShape(std::string_view type, const PbrtGraphicsState& state) {

@@ -87,7 +87,7 @@ class Film {
   void AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
                  float factor, RenderStats& stats);
 
-  // True if there is anything to add in addition to radiance; if not, these need not be called.
+  // True if the film keeps more than radiance; if not, these need not be called.
   bool has_aovs() const { return aovs_.has_value(); }
   void AddFirstHits(const FirstHits& hits);
   // Adds the radiance of paths [0, n) when all their direct light is in it.
@@ -102,14 +102,14 @@ class Film {
   // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);
-  // Does so with the picture of `part`, whose top left corner is pixel (x, y) of this picture.
+  // The same with the picture of `part`, whose top left corner is pixel (x, y) of this picture.
   void AddPart(const Film& part, int x, int y);
 
   // Returns a film of the pixels `window` of this film, which is all picture.
   Film Cut(const CropWindow& window) const;
 
-  // Hands on all sums of the picture's pixels as bytes, column by column and row by row, returns
-  // them, or puts them back into a film of the same layout. The rim of the film is left out.
+  // Serialises the sums of the picture's pixels, column by column and row by row, without the
+  // border of the film; UnpackPicture restores them in a film of the same layout.
   void PackPicture(const std::function<void(std::string_view row)>& take) const;
   std::string PackPicture() const;
   std::size_t packed_bytes() const;  // of PackPicture
@@ -133,12 +133,12 @@ class Film {
   std::vector<NamedChannel> ResolveAovs(const SampleCounts& samples) const {
     return ResolveAovs(samples, layout_.aovs);
   }
-  // Does both for rows [first, end) of a picture that EmptyPicture has made.
+  // Both for rows [first, end) of a picture that EmptyPicture has made.
   LayeredImage EmptyPicture(AovSet wanted) const;
   void ResolveRows(const SampleCounts& samples, AovSet wanted, int first, int end,
                    LayeredImage& picture) const;
-  // Gives back the memory of rows [first, end) of the film, which then hold nothing to be read. No
-  // other thread may use them.
+  // Frees the memory of rows [first, end) of the film, which must not be read afterwards. No other
+  // thread may use them.
   void Forget(int first, int end);
 
   // Returns the sums as they are kept, three per pixel of the film [units].

@@ -69,7 +69,7 @@ inline Uint128 Combined(Uint128 a, Uint128 b) { return SaturatingSum(a, b); }
 inline std::int64_t Combined(std::int64_t a, std::int64_t b) { return a + b; }
 inline std::uint32_t Combined(std::uint32_t a, std::uint32_t b) { return a + b; }
 
-// Does so for a film whose sums have signs; squares and counts have none.
+// The same for a film whose sums have signs; squares and counts have none.
 inline std::uint64_t CombinedSigned(std::uint64_t a, std::uint64_t b) { return a + b; }
 template <class T>
 T CombinedSigned(T a, T b) {

@@ -41,7 +41,7 @@ static_assert(alignof(std::max_align_t) >= alignof(unsigned __int128));
 template <class T>
 using FilmValues = std::vector<T, ZeroPages<T>>;
 
-// Gives the whole pages of these values back, which are zeros then.
+// Frees the whole pages of these values, which then read as zeros.
 template <class T>
 void GiveBack(std::span<T> values) {
   GivePagesBack(values.data(), values.size_bytes());

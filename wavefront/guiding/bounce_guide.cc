@@ -9,7 +9,7 @@
 namespace skywave {
 namespace {
 
-// A node is split where so many rays have begun, until there are so many places.
+// A node is split if at least this many rays began there, until there are this many places.
 constexpr std::size_t kSplitRays = 1024, kMostPlaces = 4096;
 // The estimate of the node above counts as so many rays in each cell.
 constexpr double kPriorRays = 2;
@@ -46,7 +46,7 @@ void SetAxis(const std::array<double, 3>& normal, float* axis) {
   }
 }
 
-// Learns what rays [begin, end) of a node tell, where `above` is expected; null for roots.
+// Learns from rays [begin, end) of a node, with `above` as the prior; null for roots.
 Learnt Learn(std::span<const BounceRay> rays, const float* axis, const Learnt* above,
              const LightColumns& directions, std::vector<std::uint32_t>& cell) {
   Learnt learnt;
@@ -110,7 +110,7 @@ BounceGuide::BounceGuide(std::vector<BounceRay>& rays, const PlaceBox& box)
     std::copy_n(here.axis, 3, places_[i].axis);
     double weight[kBounceCells], all = 0, line[kBounceSide] = {};
     for (std::uint32_t c = 0; c < kBounceCells; ++c) all += weight[c] = std::sqrt(here.square[c]);
-    // Places that light has not been seen to reach leave directions to the BSDF.
+    // Where no light has been seen to arrive, directions are left to the BSDF.
     places_[i].share = all > 0 ? kGuidedShare : 0;
     for (std::uint32_t c = 0; c < kBounceCells; ++c) {
       weight[c] = all > 0 ? (1 - kDefensive) * weight[c] / all + kDefensive / kBounceCells : 1;

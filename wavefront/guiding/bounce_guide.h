@@ -1,4 +1,5 @@
-// The table by which paths are guided (kernels/lights/bounce_guide.h), as a pilot's rays teach it.
+// The table by which paths are guided (kernels/lights/bounce_guide.h), as it is learnt from a
+// pilot's rays.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 namespace skywave {
 namespace {
 
-// A ray before it is known what it brings: radiance is that of its path when it left.
+// A ray whose contribution is not known yet: radiance is that of its path when it left.
 struct PendingRay {
   BounceRay ray;
   float throughput;
@@ -64,7 +64,7 @@ void FollowAndKeepRays(const FrameView& pilot, const PlaceBox& box, const WaveRa
     const auto radiance =
         float(Luminance(w.paths->r[ray.path], w.paths->g[ray.path], w.paths->b[ray.path]));
     found.push_back(ray.ray);
-    // A path of next to no throughput tells nothing of large numbers.
+    // A path of next to no throughput says nothing about large numbers.
     constexpr float kMost = 1e18f;
     const float brought = (radiance - ray.ray.radiance) / ray.throughput;
     found.back().radiance = std::min(std::max(0.0f, brought), kMost);
@@ -80,7 +80,7 @@ std::unique_ptr<BounceGuide> LearnBounces(const FrameView& frame, WorkerPool& po
   const auto start = Clock::now();
   std::unique_ptr<BounceGuide> guide;
   std::vector<BounceRay> rays;
-  // The first quarter of the pilot is not guided, and teaches the rest where to look.
+  // The first quarter of the pilot is not guided; the rest is guided by what it has learnt.
   constexpr std::uint64_t kMostPaths = 1 << 20;  // of some 250 bytes each while they are learnt
   const FrameView whole =
       PilotView(frame, *frame.strategy, PilotShare(frame, kMostPilotPaths, kMostPaths));

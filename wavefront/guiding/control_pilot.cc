@@ -20,12 +20,13 @@ constexpr std::size_t kSplitSurfaces = 512, kMostPlaces = 4096;
 constexpr double kPriorSurfaces = 16;
 // Weights so near to 0 and 1 are 0 and 1.
 constexpr double kSnap = 0.02;
-// Noise that the control has to take away, as a share of its own. With less, nearly all of the map
-// is hidden, and the control takes up to a tenth of the time for a few hundredths of the noise.
+// The least noise that the control must remove, as a share of its own. With less, nearly all of the
+// map is hidden, and the control takes up to a tenth of the time to remove a few hundredths of the
+// noise.
 constexpr double kWorthwhile = 0.1;
 
 // A surface that the pilot has met: what its light sample and its scattered ray have brought of the
-// map, and what the control has subtracted for both, its integral included: 0 in the mean.
+// map, and what the control has subtracted for both, its integral included: 0 on average.
 struct ControlledSurface {
   PlaceWord place = 0;
   float brought = 0, control = 0;  // luminance
@@ -81,7 +82,7 @@ class ControlledSurfaceList {
   }
   void SeeEscapes(const Worker&, std::uint32_t) {}
 
-  // Adds the surfaces at hand to the list; all their rays have been seen.
+  // Adds the current surfaces to the list; all their rays have been seen.
   void Finish() {
     for (const ControlledSurface& surface : at_hand_) {
       if (surface.control != 0) surfaces_.push_back(surface);
@@ -124,7 +125,7 @@ double Weight(const ControlSums& sums, double above, double prior) {
 }
 
 // Sets the weights of all places from the surfaces, which are sorted by place. Returns how much
-// noise that takes away, as a share of the control's own.
+// noise they remove, as a share of the control's own.
 double SetWeights(std::span<const ControlledSurface> surfaces, ControlWeights& weights) {
   const ControlSums all = SumsOf(surfaces);
   const std::vector<PlaceTree::Node>& nodes = weights.tree.nodes;

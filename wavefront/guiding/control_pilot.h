@@ -19,10 +19,10 @@ struct ControlWeights {
   ControlWeightView view() const { return {.places = tree.view(), .weight = of_places.data()}; }
 };
 
-// Learns the weights for the strategy of the frame, which has a control variate, and sets them.
-// Where they are all 1 the frame gets none, and where the control is worth nothing it is taken off
-// the frame. What is learnt depends on neither threads nor wave, nor on which part of the film or
-// which samples the frame has. Statistics of the workers stay as they are.
+// Learns the weights for the strategy of the frame, which has a control variate, and sets them. If
+// they are all 1, the frame gets none; if the control removes too little noise, the frame loses it.
+// What is learnt depends on neither threads nor wave, nor on which part of the film or which
+// samples the frame has. Statistics of the workers stay as they are.
 ControlWeights LearnControl(WorkerPool& pool, FrameView& frame, GuideCounts& counts);
 
 }  // namespace skywave

@@ -17,7 +17,7 @@
 namespace skywave {
 namespace {
 
-// Fewer samples than this do not tell where in a part of the disk they are.
+// Fewer samples than this do not show where in a part of the disk light is needed.
 constexpr std::ptrdiff_t kLeastGuideSamples = 8;
 // One sample counts at most this many means of all of them.
 constexpr std::uint64_t kMostMeans = 8;

@@ -6,7 +6,8 @@
 namespace skywave {
 namespace {
 
-// The pilot has about this many camera paths: few against a usual render, enough for a small one.
+// The pilot has about this many camera paths: few compared with a usual render, enough for a small
+// one.
 constexpr double kLeastPilotPaths = 1 << 14;
 
 constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's

@@ -1,4 +1,4 @@
-// A pilot is a coarse render before a frame: its camera paths find out what the frame should know.
+// A pilot is a coarse render before a frame: its camera paths learn what the frame needs to know.
 #pragma once
 
 #include <algorithm>
@@ -72,8 +72,8 @@ void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
 }
 
 // Follows camera paths `range` through surfaces of the kinds from `first_kind` on, and calls
-// see(length) whenever surfaces of all kinds are at hand in w.surfaces, no more than `most` of a
-// path: length[i] is that of path i so far.
+// see(length) whenever w.surfaces holds surfaces of all kinds, no more than `most` of a path:
+// length[i] is that of path i so far.
 template <class See>
 void FollowToSurfaces(const FrameView& pilot, const WaveRange& range, std::uint32_t first_kind,
                       std::uint32_t most, Worker& w, const See& see) {

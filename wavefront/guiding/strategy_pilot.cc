@@ -15,15 +15,15 @@
 namespace skywave {
 namespace {
 
-// Pixels of the pilot get so many samples, or more in small films, from each of two seeds.
+// Pixels of the pilot get this many samples, or more in small films, from each of two seeds.
 // Variances are those of their means, since strategies differ in how much they gain by stratified
 // samples.
 constexpr std::uint32_t kSamples = 16;
 // They turn a frame's seed into those of the pilot, which are not that of the pilot that teaches:
-// what has been learnt from samples does too well with the same ones.
+// what was learnt from samples looks too good when judged by the same samples.
 constexpr std::uint32_t kChoiceSeeds[] = {0xA370C401u, 0x51B3E9D7u};
-// Another candidate than the first has to be better by this factor, or the noise of the pilot would
-// choose among equals.
+// A candidate other than the first has to be better by this factor, or the noise of the pilot would
+// decide between equal ones.
 constexpr double kClearly = 0.9;
 // What a sample costs besides its rays [rays]: generation, shading, the film.
 constexpr double kCostOfSample = 1;
@@ -101,7 +101,7 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
   for (const StrategyCandidate& candidate : candidates) {
     GuideCounts counts;
     std::unique_ptr<EnvStrategy> taught = LearnVisibility(frame, *candidate.strategy, pool, counts);
-    // One that has learnt nothing draws as `importance` does.
+    // A strategy that has learnt nothing draws as `importance` does.
     if (taught && taught->learns_visibility()->learnt() == 0) continue;
     pilot.*slot = taught ? taught.get() : candidate.strategy;
     Work work;

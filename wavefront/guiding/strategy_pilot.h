@@ -12,14 +12,14 @@
 
 namespace skywave {
 
-// A strategy of a frame: that of all paths, or that behind the split.
+// A strategy of a frame: that of all paths, or that after the split.
 using StrategySlot = const EnvStrategy* FrameView::*;
 
 // Puts one of its candidates in the place of strategy `slot` of the frame, whose film has `layout`.
-// One that has to be taught is, and is returned. The choice is added to `choices`. Costs are
-// counted and not timed, so the choice depends on neither the machine, threads nor wave, nor on
-// which part of the film or which samples the frame has. Statistics of the workers stay as they
-// are, and no rays are recorded.
+// If that one has to be taught, the taught strategy is returned. The choice is added to `choices`.
+// Costs are counted and not timed, so the choice depends on neither the machine, threads nor wave,
+// nor on which part of the film or which samples the frame has. Statistics of the workers stay as
+// they are, and no rays are recorded.
 std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout& layout,
                                             WorkerPool& pool, FrameView& frame,
                                             std::vector<StrategyChoice>& choices,

@@ -87,7 +87,7 @@ std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvSt
     rays.insert(rays.end(), found.begin(), found.end());
     taught = untaught->Taught(rays, box);
     counts.paths += PilotPaths(pilot);
-    if (taught->learnt() == 0) break;  // in the open there is nothing more to find out
+    if (taught->learnt() == 0) break;  // in the open there is nothing more to learn
   }
   counts.samples += rays.size(), counts.bytes += taught->table_bytes();
   counts.seconds += SecondsSince(start);

@@ -81,14 +81,14 @@ struct IntegratorDescriptor {
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film
   StoredLight stores = StoredLight::kNothing;
-  bool biased = false;            // its expectation is not the picture, however many samples
+  bool biased = false;            // biased: does not converge to the picture with more samples
   bool mixes_light = false;       // direct and indirect light of a surface come together
   bool pass_each_sample = false;  // unless the option `progressive` says how many passes
 
   // Throws OptionError if options do not go together with this integrator. CheckIntegrator checks
   // the fields above itself. Null: there is nothing more to check.
   void (*check)(const RenderOptions& options) = nullptr;
-  // Throws OptionError if options do not go together with a scene, around which `sphere` is.
+  // Throws OptionError if options do not go together with a scene, which lies within `sphere`.
   void (*check_scene)(const RenderOptions& options, const Geometry& geometry,
                       const SceneSphere& sphere) = nullptr;
   // Adds the tables that only this integrator needs to a worker (MakeWorker).

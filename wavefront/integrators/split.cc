@@ -49,7 +49,7 @@ SurfaceRanges LightSampled(SurfaceRanges ranges) {
   return ranges;
 }
 
-// Follows the continuations of the surfaces at hand that take light samples, one wave after the
+// Follows the continuations of the current surfaces that take light samples, one wave after the
 // other. `paths` is the number of rows in use.
 void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, std::uint32_t paths,
                    std::uint32_t bounce, const Worker& w, Continuations& c, StageClock& clock) {

@@ -2,8 +2,8 @@
 // vertices shine as virtual point lights (photons/virtual_lights.cc) on the first surface of each
 // camera path that is neither mirror nor glass. That surface also takes direct light as `direct`
 // does, and there are no more than max_depth surfaces on both sides of a connection together. Sets
-// are new for each sample, so their noise averages out; what the bound of near lights takes away
-// does not come back. Light that mirrors and glass throw on the surfaces seen is missing.
+// are new for each sample, so their noise averages out; the light lost by the bound on near lights
+// is not recovered. Light that mirrors and glass cast on visible surfaces is missing.
 #include <utility>
 
 #include "base/clock.h"

@@ -24,9 +24,9 @@ constexpr float kLeastPixels = 1.5f, kMostPixels = 40;
 // No more records are made than this; paths go on where one is missing.
 constexpr std::size_t kMostRecords = 1 << 17;
 
-// So many rays of records are kept at a time, or those of one record.
+// This many rays of records are kept at a time, or those of one record.
 constexpr std::size_t kRaysAtATime = 1 << 17;
-// A thread asks for so many points at a time.
+// A thread asks for this many points at a time.
 constexpr std::size_t kPointsAtATime = 256;
 
 // No pixel of a film has the place that seeds the rays of records, nor do light paths.

@@ -8,7 +8,7 @@ namespace skywave {
 
 // Returns the largest radius of the first pass of lookups whose radius shrinks: two pixels where
 // camera paths, through mirrors and glass, see surfaces with a density; the median over the film.
-// Photons spread over all of a scene, so their distances alone would blur what is small in it. The
+// Photons spread over all of a scene, so their distances alone would blur its small parts. The
 // radius is infinite if no path sees such a surface, and the same for all parts of a picture.
 float PixelRadius(const FrameView& frame, WorkerPool& pool);
 

@@ -16,8 +16,8 @@
 namespace skywave {
 namespace {
 
-// Merges blur light at edges, and connections find most of it without them: half of the distance
-// that photons would be looked up within is enough.
+// Merges blur light at edges, and connections find most of it without them: half of the lookup
+// distance of photons is enough.
 constexpr float kMergedDistance = 0.5f;
 
 // Surfaces near each other are merged with the same light paths, so the noise of merges does not

@@ -36,8 +36,8 @@ struct PhotonCounts {
 // of the mean of all passes then both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
-// These light paths tell what others will store. Their first number is that of no pass, because
-// samples of a pixel end before.
+// These light paths predict what others will store. No pass uses their first number, because
+// samples of a pixel end before it.
 inline constexpr std::uint64_t kPlanningPaths = 1 << 14,
                                kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
 
@@ -48,8 +48,8 @@ inline constexpr std::uint64_t kPlanningPaths = 1 << 14,
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
-// Calls `render` for the samples of the frame in each pass, with the maps that `trace` has made
-// before. `trace` may change the frame of its pass.
+// Calls `render` for the samples of the frame in each pass, with the maps that `trace` has made for
+// it. `trace` may change the frame of its pass.
 using TracePass = std::function<PhotonMaps(FrameView& frame, const PhotonPass& pass)>;
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
                        const RenderPass& render);

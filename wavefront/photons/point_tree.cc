@@ -22,7 +22,7 @@ constexpr std::size_t kLeastParallel = 1 << 12;
 constexpr std::size_t kPart = 1 << 12;
 
 // Points along an axis are ordered by coordinate and number, so that no two are alike and halves do
-// not depend on how they are found. The key is one whole number, so that one comparison tells.
+// not depend on how they are found. The key is one whole number, so that one comparison decides.
 std::uint64_t KeyOf(const TreePoint& point, std::uint32_t axis) {
   const auto bits = std::bit_cast<std::uint32_t>(point.at[axis] + 0.0f);  // -0 is 0
   const std::uint32_t negative = 0 - (bits >> 31);

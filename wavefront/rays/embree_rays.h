@@ -20,8 +20,7 @@ struct RayStream {
 
 #if RTC_VERSION_MAJOR >= 4
 
-// A query is what calls about the same scene share. Coherent packets go down the tree as one
-// frustum. One that is not coherent promises nothing.
+// State shared by all calls on one scene. Coherent packets use frustum traversal.
 struct EmbreeQuery {
   EmbreeQuery(RTCScene traced, bool coherent) : scene(traced) {
     rtcInitRayQueryContext(&context);

@@ -58,7 +58,7 @@ struct LaneCount {
 using LaneCounts = std::array<LaneCount, kKernels>;
 
 // Counts the kernels from rays to surfaces: `n` rays were traced, `escaped` of them see the
-// environment, and some of them have hit surfaces that are shaded.
+// environment, and some have hit surfaces that are shaded.
 void CountTracing(std::uint32_t n, LaneCounts& lanes);
 void CountEscaping(std::uint32_t n, std::uint32_t escaped, LaneCounts& lanes);
 void CountHits(std::uint32_t n, const SurfaceRanges& ranges, LaneCounts& lanes);

@@ -182,7 +182,7 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
                                b.seen_by_light.backward};
   JoinVertices(w.surfaces, b.at, n, frame.mis_techniques(), vertices.view(), b.partner->index, ends,
                w.lights);
-  // These events come behind that of the light sample.
+  // These events come after that of the light sample.
   const std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
   TraceAndAdd(frame, MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch), w, clock);

@@ -23,7 +23,7 @@ void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfa
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out);
 
-// Does the same, and forwards too. Origins of surfaces that transmit move to the side of dir
+// The same, and forwards too. Origins of surfaces that transmit move to the side of dir
 // (MoveToSide).
 void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns& surfaces,
                             const SurfaceRanges& ranges, const LightColumns& lights,
@@ -32,7 +32,7 @@ void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns&
 // Begins the sub-paths of camera rays [0, n), which were generated with `lens`.
 void LeaveCamera(const FrameView& frame, const LensUniforms& lens, std::uint32_t n, Worker& w);
 
-// Scatters the surfaces at hand as Scatter does and takes the sub-paths along: `at` belongs to the
+// Scatters the current surfaces as Scatter does, together with their sub-paths: `at` belongs to the
 // surfaces, `flying` to the paths.
 std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const SubpathColumns& at,
                               std::uint32_t first_kind, std::uint32_t bounce,
@@ -56,7 +56,7 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
 void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
                             StageClock& clock);
 
-// Keeps the surfaces at hand, which are those of light sub-paths, and which paths they belong to.
+// Keeps the current surfaces, which are those of light sub-paths, and which paths they belong to.
 void KeepVertices(Worker& w, LightVertices& vertices);
 
 }  // namespace skywave

@@ -8,8 +8,8 @@
 
 namespace skywave {
 
-// Adds what the diffuse surfaces at hand reflect of cached irradiance to their paths. Which of them
-// have found records is kept in w.irradiance: none in pilots, which have no cache.
+// Adds what the current diffuse surfaces reflect of cached irradiance to their paths. w.irradiance
+// keeps which of them have found records: none in pilots, which have no cache.
 void AddCachedIrradiance(const FrameView& frame, Worker& w, StageClock& clock);
 
 // Moves those of rays [0, n) whose surfaces have found records to w.irradiance->ended, and their

@@ -28,7 +28,7 @@ void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, 
                                 std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // Follows light paths [first, first + count) of the frame over at most `depth` surfaces and calls
-// store(bounce) for the surfaces at hand of each bounce from 1 on. Those of BSDFs [first_kind,
+// store(bounce) for the current surfaces of each bounce from 1 on. Those of BSDFs [first_kind,
 // kBsdfKinds) scatter.
 template <class Store>
 void FollowLightPaths(const FrameView& frame, std::uint64_t first, std::uint32_t count,

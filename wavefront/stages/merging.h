@@ -14,7 +14,7 @@ namespace skywave {
 // of their sub-paths, w.bidirectional->at.
 void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock& clock);
 
-// Adds what the eye's surfaces at hand, whose sub-paths are w.bidirectional->at, reflect of the
+// Adds what the eye's current surfaces, whose sub-paths are w.bidirectional->at, reflect of the
 // light vertices within the radius of the pass, weighted against all other techniques that make
 // these paths. The surfaces are those of `bounce`.
 void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);

@@ -70,8 +70,8 @@ void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w)
 
 namespace {
 
-// Gives what paths have gained in a stage to the groups of their lights, where somebody asks for
-// them. The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
+// Gives what paths have gained in a stage to the groups of their lights, if they are wanted. The
+// current rays or surfaces are of paths rows[0, n); `write` writes their groups.
 template <class Write>
 void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
                 const Write& write) {
@@ -81,8 +81,8 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
 }
 
 // Moves those of rays [0, n) that count with what they see of the environment to w.escaped: those
-// that escaped, and with a control variate those from which something is subtracted whatever they
-// met. Returns their number. Rays from the camera have no control yet.
+// that escaped, and with a control variate those from which something is subtracted, whatever they
+// hit. Returns their number. Rays from the camera have no control yet.
 std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
                          std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, Worker& w) {
   if (frame.controls() && bounce > 0) {
@@ -100,7 +100,8 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
   escaped = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
   CountEscaping(n, escaped, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
+  // This comes before the surfaces that the rays left are overwritten, because strategies may need
+  // them.
   AddEscaped(from.frame, from.points, from.met, w.escaped, escaped, from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
@@ -224,7 +225,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w),
                    guide);
-    // The first light sample has one of the bounce's numbers, later ones are numbered behind.
+    // The first light sample has one of the bounce's numbers; later ones are numbered after those.
     const std::uint32_t event = pairs + SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
     if (reach.limited() && frame.local_lights.has_alpha) {
@@ -260,7 +261,7 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
               Film& film, StageClock& clock) {
   if (!film.has_aovs()) return;
   if (bounce == 0) {
-    // They are drawn anew, as others have held their columns since generation.
+    // They are drawn again, because their columns have been used for others since generation.
     const FilmUniforms uniforms(w.scratch);
     DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, uniforms);
     film.AddFirstHits({.first = {.geometry = *frame.geometry,

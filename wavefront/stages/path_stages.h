@@ -12,14 +12,14 @@ namespace skywave {
 // Counts the shadow rays that are there to be traced or, once traced, that hit nothing.
 std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 
-// Returns the surfaces of the bounce at hand, as strategies see them.
+// Returns the surfaces of the current bounce, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
 // Returns the worker's columns for a control variate; null where there is none.
 ControlRows ControlsOf(const FrameView& frame, const Worker& w);
 
 // Starts the light groups of paths [0, n) with nothing; `film` will get what they gain. Does
-// nothing where nobody asks for groups.
+// nothing if no groups are wanted.
 void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w);
 
 // Rays between tracing and shading: their hits are in the hit table of the worker.
@@ -36,13 +36,13 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
                         StageClock& clock);
 
 // Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs. The queues
-// end with that if they are moved here, so that stages behind it may borrow their column.
+// end with that if they are moved here, so that later stages may borrow their column.
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                  std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock);
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                  std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock);
 
-// Tells where rays come from: the surfaces that they have left, and the frame that plans the light
+// Where rays come from: the surfaces that they have left, and the frame that plans the light
 // samples of those, which compete with what the rays see. `paths` takes what they see.
 struct Departure {
   const FrameView& frame;
@@ -57,7 +57,7 @@ struct Departure {
 // where they are.
 Departure FromOwnSurfaces(const FrameView& frame, const Worker& w);
 
-// Adds the kinds of the surfaces at hand to what their paths have met.
+// Adds the kinds of the current surfaces to what their paths have met.
 void RememberSurfaces(const Worker& w);
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
@@ -92,12 +92,12 @@ void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageCl
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock,
                    std::uint32_t pairs = kCameraEnd.pairs);
 
-// Scatters the surfaces at hand of BSDFs [first_kind, kBsdfKinds); returns how many rays go on.
+// Scatters the current surfaces of BSDFs [first_kind, kBsdfKinds); returns how many rays go on.
 std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock);
 
-// Gives the film what it keeps of a bounce besides radiance, where it is asked to keep it.
+// Gives the film what it keeps of a bounce besides radiance, if it keeps anything.
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock);
 

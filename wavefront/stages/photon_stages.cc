@@ -57,8 +57,8 @@ void AddToPath(const SurfaceColumns& s, std::uint32_t row, float scale, const fl
 }
 
 // The disk that photons are looked up in: it ends at the farthest of `wanted` neighbors, which then
-// does not count itself, else the density would come out too high by one photon; if there are fewer
-// within the largest distance, it ends there.
+// does not count itself, or the density would be too high by one photon. If there are fewer within
+// the largest distance, it ends there.
 float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32_t wanted,
                   float largest2) {
   if (count < wanted) return largest2;
@@ -111,7 +111,7 @@ SurfaceRanges DenseOnly(SurfaceRanges ranges) {
   return ranges;
 }
 
-// Returns the pairs of the light samples at surfaces that rays of an index meet. They lie behind
+// Returns the pairs of the light samples at surfaces that rays of an index meet. They lie after
 // those of all directions; a strategy may draw candidates from kCandidateBlocks more. If there are
 // more indices than numbers, some indices share them.
 std::uint32_t GatheredLightPairs(const FrameView& frame, std::uint32_t index) {
@@ -250,7 +250,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
                               DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *rays);
     if (gather > 1) Scale(*rays, n, 1.0f / float(gather));
     clock.Lap(Stage::kScatter);
-    // The surfaces at hand make room for those that their rays meet.
+    // The current surfaces make room for those that their rays hit.
     std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
     // So many rays, the first ones, see lights. Those of the surfaces that gather do not, because
     // their direct light is there already, and what is seen over mirrors and glass are caustics.

@@ -25,7 +25,7 @@ struct PhotonLists {
   PhotonList caustic, indirect;
 };
 
-// Tells which maps still want photons; for a final gather the indirect one has all light.
+// Which maps still want photons; for a final gather the indirect one has all light.
 struct WantedPhotons {
   bool caustic = false, indirect = false, all_light = false;
 };
@@ -38,18 +38,18 @@ Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
-// Adds the radiance that the surfaces at hand reflect of photons to their paths: of those that have
-// met at most `max_depth` surfaces, theirs included. Photons are divided by the area of the part of
-// their disk that is surface, which rays measure where photons leave a doubt.
+// Adds the radiance that the current surfaces reflect of photons to their paths: of photons that
+// have hit at most `max_depth` surfaces, the current one included. Photons are divided by the area
+// of the part of their disk that is surface; rays measure it where the photons leave it in doubt.
 void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, Worker& w,
                 StageClock& clock);
 
-// Gathers (final gather, Jensen 1996): traces rays from every surface at hand that has a density,
+// Gathers (final gather, Jensen 1996): traces rays from every current surface that has a density,
 // over mirrors and glass to the next that has one, and adds what those reflect of photons. A lookup
 // blurs light by its disk, which is seen at a large angle from close by. So surfaces that a ray
 // finds nearer than that (PhotonMap::near) are lit as the first one is, by light samples and
 // caustics, and gather by a ray themselves (Jensen 2001). Rays of a surface are stratified. The
-// surfaces at hand are those of `bounce`.
+// current surfaces are those of `bounce`.
 void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 }  // namespace skywave

@@ -61,7 +61,7 @@ LightReach SampleRows(const FrameView& frame, const ShadePoints& points, const L
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
                  {.stride = plan.drawn, .offset = call.index - plan.fixed}, uniforms);
   } else if (plan.random_fixed) {
-    // Every fixed sample is an integral of its own, so it has a sequence of its own.
+    // Every fixed sample is a separate integral, so it has a sequence of its own.
     call.pair += kPairBlock * (call.index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }

@@ -62,7 +62,7 @@ void MoveSurfaces(const Geometry& geometry, const RayColumns& rays, const HitCol
                   const SurfaceColumns& surfaces);
 
 // Does what surface preparation leaves to do where materials have textures or parameters that vary.
-// Light paths, which know of no pixel, look up level 0.
+// Light paths, which belong to no pixel, look up level 0.
 void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
                      const SurfaceColumns& surfaces);
 
@@ -78,8 +78,8 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
                 std::uint32_t n, const EmitterHits& emitter_hits, const PathColumns& paths);
 
 // Draws a sample of the strategy for every row, where local lights take the share `local_share` of
-// the samples, less than 1. Rows that a local light will take over get one too: dense rows are
-// worth more than that wastes.
+// the samples, less than 1. Rows that a local light will take over get one too: dense rows save
+// more time than that wastes.
 void SampleStrategy(const EnvStrategy& strategy, const ShadePoints& points,
                     const LightUniforms& uniforms, float local_share, std::uint32_t n,
                     const LightCall& call, const Scratch& scratch, const LightColumns& lights);
@@ -116,8 +116,8 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const LightColumns& lights, const ControlRows& control = {},
                     const GuideTables* guide = nullptr);
 
-// Closes (t_far negative) the light samples that rays pass through at their own triangle, which
-// their shadow rays do not reach. `keys` are those of the shadow rays.
+// Rejects (t_far negative) light samples on transparent texels; their shadow rays stop short of
+// these. `keys` are those of the shadow rays.
 void CloseTransparentSamples(const FrameView& frame, const LightPlaces& places, const RayKeys& keys,
                              std::uint32_t n, float* t_far);
 

@@ -12,7 +12,7 @@
 namespace skywave {
 namespace {
 
-// Evaluates the surfaces at hand towards the light, and the light towards them.
+// Evaluates the current surfaces towards the light, and the light towards them.
 void EvaluateEnds(const MaterialView& materials, std::uint32_t kind, std::uint32_t n, Worker& w) {
   VirtualLightTables& t = *w.virtual_lights;
   ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
@@ -51,7 +51,7 @@ void AddVirtualLights(const FrameView& frame, std::uint32_t bounce, Worker& w, S
   for (std::uint32_t i = 0; i < n; ++i) t.light.row_of_path->index[s.path[i]] = i;
   const ConnectionEnds ends = {t.seen.forward, t.seen.backward, t.seen_by_light.forward,
                                t.seen_by_light.backward};
-  // Their rays have numbers behind those of light samples.
+  // Their rays have numbers after those of light samples.
   std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * frame.light_shares().plan.total();
   for (const VirtualLight& light : set.lights) {

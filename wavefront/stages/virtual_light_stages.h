@@ -8,7 +8,7 @@
 
 namespace skywave {
 
-// Adds what the surfaces at hand reflect of the virtual lights of the pass to their paths, light by
+// Adds what the current surfaces reflect of the virtual lights of the pass to their paths, light by
 // light, so that a stream of shadow rays aims at one point. Lights whose path and the surfaces of
 // `bounce` would be more than max_depth together do not count.
 void AddVirtualLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);

@@ -82,8 +82,8 @@ LogPlot PlotOver(const ConvergeReport& report, bool over_time) {
   return plot;
 }
 
-// Hints at the number of samples whose noise would be a tenth of the error; empty if the samples
-// behind `noise` are unknown. `measured` is error and noise together.
+// Hints at the number of samples whose noise would be a tenth of the error; empty if the number of
+// samples that `noise` comes from is unknown. `measured` is error and noise together.
 std::string EnoughSamples(std::uint32_t samples, double noise, double measured) {
   if (samples == 0) return "";
   const double error = std::max(measured - noise, 0.1 * measured);

@@ -35,8 +35,8 @@ std::vector<OptionOf<ConvergeRequest>> ConvergeOptions();
 // Returns whether an option of a job has another form in ConvergeOptions, or none there.
 bool HasOwnFormInConverge(const OptionInfo& option);
 
-// Throws InputError if `request` would keep a reference that is not computed, or in a file that is
-// not an EXR, is an input or cannot be written.
+// Throws InputError if `request` would keep a reference that is not computed, or would keep it in a
+// file that is not an EXR, is an input or cannot be written.
 void CheckSavedReference(const ConvergeRequest& request);
 
 // A watcher runs `work` (see Watch); `what` is half a sentence that says what the work does.
