@@ -90,25 +90,62 @@ std::string Text(const std::vector<NamedCommand>& commands) {
   return text;
 }
 
+std::string FlagWord(const OptionInfo& info) {
+  const bool on = info.is_switch && info.printed_default == "true";
+  return fmt::format("--{}{}", on ? "no-" : "", info.name);
+}
+
+// Lists "`a`, `b` and `c`" in lines of at most 100 columns after `start`.
+std::string Listed(std::string text, const std::vector<std::string>& names) {
+  std::size_t column = text.size();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string word = fmt::format("`{}`{}", names[i], i + 1 < names.size() ? "," : ".");
+    const bool fits = column + 1 + word.size() <= 100;
+    text += (fits ? " " : "\n") + word;
+    column = (fits ? column + 1 : 0) + word.size();
+  }
+  return text + "\n";
+}
+
+// Each option stands in the table of the first subcommand that has it; later ones that mean the
+// same by it only name it.
 std::string Markdown(const std::vector<NamedCommand>& commands) {
   std::string text =
       "# Options\n\nMade by `skywave options --format markdown`; a test keeps it current. *Scope* "
-      "is what an\noption changes: the input, the pixels, the speed or the output.\n";
+      "is what an\noption changes: the input, the pixels, the speed or the output. An option of "
+      "several subcommands is\nin the table of the first one, to which the others refer.\n";
   const auto cell = [](std::string words) {
     for (std::size_t at = 0; (at = words.find('|', at)) != std::string::npos; at += 2) {
       words.insert(at, 1, '\\');
     }
     return words;
   };
+  std::map<std::string, std::string> first;  // by row: the subcommand that has printed it
   for (const auto& [name, command] : commands) {
     if (command.options.empty()) continue;
-    text += fmt::format(
-        "\n## skywave {}\n\n{}.\n\n| option | scope | meaning |\n| --- | --- | --- "
-        "|\n",
-        name, command.summary);
+    text += fmt::format("\n## skywave {}\n\n{}.\n", name, command.summary);
+    std::vector<std::pair<std::string, std::vector<std::string>>> shared;
+    std::string rows;
     for (const BoundOption& option : command.options) {
-      text += fmt::format("| `{}` | {} | {} |\n", cell(Usage(option.info)),
-                          ToString(option.info.scope), cell(Explanation(option.info)));
+      const std::string row =
+          fmt::format("| `{}` | {} | {} |\n", cell(Usage(option.info)), ToString(option.info.scope),
+                      cell(Explanation(option.info)));
+      const auto [at, is_new] = first.try_emplace(row, name);
+      if (is_new) {
+        rows += row;
+        continue;
+      }
+      auto group = std::find_if(shared.begin(), shared.end(),
+                                [&](const auto& pair) { return pair.first == at->second; });
+      if (group == shared.end()) group = shared.insert(group, {at->second, {}});
+      group->second.push_back(option.info.positional ? option.info.value_name
+                                                     : FlagWord(option.info));
+    }
+    if (!rows.empty()) text += "\n| option | scope | meaning |\n| --- | --- | --- |\n" + rows;
+    for (const auto& [owner, names] : shared) {
+      std::string anchor = "skywave-" + owner;
+      std::replace(anchor.begin(), anchor.end(), ' ', '-');
+      text += "\n" + Listed(fmt::format("As [skywave {}](#{}):", owner, anchor), names);
     }
   }
   return text;
@@ -123,11 +160,6 @@ std::string WordsOf(const OptionInfo& info) {
   std::string words = info.values;
   std::replace(words.begin(), words.end(), '|', ' ');
   return words;
-}
-
-std::string FlagWord(const OptionInfo& info) {
-  const bool on = info.is_switch && info.printed_default == "true";
-  return fmt::format("--{}{}", on ? "no-" : "", info.name);
 }
 
 std::string BashCompletion(const std::vector<NamedCommand>& commands) {

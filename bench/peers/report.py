@@ -81,7 +81,7 @@ def wrapped(text):
 
 
 def markdown(summary):
-    """Returns the table and its notes, as docs/benchmarks.md has them."""
+    """Returns the table and its notes, as docs/peers.md has them."""
     s = summary["settings"]
     rows = [row for job in summary["jobs"] for row in job_rows(job, s["threads"])]
     heading = (f"`{s['command']}`, {s['date']}, {s['processor']}, {s['threads']} threads, "
