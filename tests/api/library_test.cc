@@ -112,7 +112,7 @@ TEST_F(Library, WritesTheFilesOfTheCommandLine) {
   EXPECT_NE(renderer.Summary().find("Msamples/s"), std::string::npos);
 }
 
-TEST_F(Library, InstancesAreMovedCopies) {
+TEST_F(Library, InstancesEqualTransformedCopies) {
   Square square;
   api::Scene copies, instances;
   std::vector<float> moved = square.positions;
@@ -162,7 +162,7 @@ TEST_F(Library, GivesTheLayersOfTheOptionAovs) {
   }
 }
 
-TEST_F(Library, ArraysAreWhatFilesAre) {
+TEST_F(Library, SceneFromArraysEqualsSceneFromFile) {
   Put("square.ply",
       "ply\nformat ascii 1.0\nelement vertex 4\n"
       "property float x\nproperty float y\nproperty float z\n"
@@ -192,7 +192,7 @@ TEST_F(Library, ArraysAreWhatFilesAre) {
   EXPECT_TRUE(SameBits(Render(longer, kSmall), Render(unit, kSmall)));
 }
 
-TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
+TEST_F(Library, MapInMemoryEqualsMapFromFile) {
   const Map map;
   std::string pfm = "PF\n16 8\n-1.0\n";  // rows from the bottom
   for (int row = 7; row >= 0; --row) {
@@ -217,7 +217,7 @@ TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
 }
 
 // The camera of a scene is the one that the options place, also where space is left-handed.
-TEST_F(Library, CamerasAreThoseOfTheOptions) {
+TEST_F(Library, CameraOfTheSceneEqualsCameraOptions) {
   Put("left.pbrt",
       "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 2 3]\n"
       "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
@@ -301,7 +301,7 @@ TEST(LibraryMaterials, TakeTheParametersOfEveryBsdf) {
   }
 }
 
-TEST(LibraryMaterials, AreSeen) {
+TEST(LibraryMaterials, ParametersAndTexturesChangeThePicture) {
   Square square;
   const auto look = [&](const std::vector<api::MaterialParameter>& parameters,
                         const std::optional<api::ImageArray>& texture = {}) {
@@ -324,7 +324,7 @@ TEST(LibraryMaterials, AreSeen) {
   }
 }
 
-TEST(LibraryProgress, IsToldToTheCallingThreadAndDoesNotChangeThePicture) {
+TEST(LibraryProgress, IsReportedOnTheCallingThreadAndKeepsThePicture) {
   // Long enough to be seen, whatever the machine.
   const Options options = {{"size", "320x240"}, {"spp", "64"}, {"max-depth", "5"}};
   api::Renderer renderer(api::Scene("gallery"), options);
@@ -418,7 +418,7 @@ TEST_F(Library, MeasuresWhatTheSubcommandsMeasure) {
 }
 
 // A frame of an animation is the picture of a file whose nodes are there anyway.
-TEST_F(Library, FramesAreThePicturesOfTheirPoses) {
+TEST_F(Library, FramesRenderTheirPoses) {
   Put("moving.gltf", MovingTriangle().text());
   GltfDocument posed = TriangleDocument();
   posed.json["nodes"][0]["translation"] = {2.5, 0, 0};

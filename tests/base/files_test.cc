@@ -74,7 +74,7 @@ class StuckWriter {
   std::string temporary_;
 };
 
-TEST(Leftovers, AreRemovedOnceTheirWriterIsDeadAndNotBefore) {
+TEST(Leftovers, AreRemovedOnlyOnceTheirWriterIsDead) {
   const TemporaryFolder folder;
   const std::string target = folder.Write("a.exr", "the old one");
   const std::vector<std::string> targets = {target, folder.Path("b.exr")};
@@ -89,7 +89,7 @@ TEST(Leftovers, AreRemovedOnceTheirWriterIsDeadAndNotBefore) {
   EXPECT_EQ(ReadFile(target), "the old one");
 }
 
-TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
+TEST(Leftovers, CheckingATargetRemovesThem) {
   const TemporaryFolder folder;
   const std::string leftover = folder.Write("a.exr.77.part", "left over");
   const std::string other = folder.Write("b.exr.77.part", "another's");
@@ -98,7 +98,7 @@ TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(other));
 }
 
-TEST(Leftovers, AreRemovedOfAllOutputsThatAreCheckedTogether) {
+TEST(Leftovers, CheckingSeveralOutputsRemovesThem) {
   const TemporaryFolder folder;
   folder.Write("a.exr.77.part", "left over"), folder.Write("a.png.77.part", "left over");
   const std::vector<std::string> outputs = {folder.Path("a.exr"), "", folder.Path("a.png"),

@@ -47,13 +47,13 @@ void ExpectMemory(const Granted& granted, std::size_t mib, const std::string& fr
 
 using GrantedTest = Machine;
 
-TEST_F(GrantedTest, NobodyLimits) {
+TEST_F(GrantedTest, WithoutLimitsTheMachineIsGranted) {
   ExpectThreads(Find(), 16, "machine");
   ExpectMemory(Find(), 65536, "machine");
   EXPECT_FALSE(Find().limits_threads());
 }
 
-TEST_F(GrantedTest, SchedulersLimit) {
+TEST_F(GrantedTest, SchedulersLowerTheGrant) {
   ExpectThreads(Find({{"SLURM_CPUS_PER_TASK", "4"}}), 4, "SLURM_CPUS_PER_TASK");
   ExpectThreads(Find({{"CUE_THREADS", "3"}}), 3, "CUE_THREADS");
   ExpectThreads(Find({{"SLURM_CPUS_PER_TASK", "4"}, {"CUE_THREADS", "3"}}), 3, "CUE_THREADS");
@@ -65,7 +65,7 @@ TEST_F(GrantedTest, SchedulersLimit) {
   ExpectMemory(Find({{"CUE_MEMORY", "2048"}}), 2, "CUE_MEMORY");
 }
 
-TEST_F(GrantedTest, ValuesThatAreNoneAreIgnoredWithANote) {
+TEST_F(GrantedTest, InvalidValuesAreIgnoredWithANote) {
   for (const std::string bad : {"", "0", "-2", "four", "4(x2)", "1e3", "99999999999999999999"}) {
     const Granted granted = Find({{"SLURM_CPUS_PER_TASK", bad}});
     EXPECT_EQ(granted.threads, 16) << bad;
@@ -110,7 +110,7 @@ TEST_F(GrantedTest, ControlGroupsOfVersionOne) {
   ExpectMemory(Find(), 2048, "cgroup memory.limit_in_bytes");
 }
 
-TEST(GrantedHere, IsWhatTheProcessHas) {
+TEST(GrantedHere, IsPositiveAndTheDefaultOfThreads) {
   EXPECT_GE(GrantedHere().threads, 1);
   EXPECT_GT(GrantedHere().memory_bytes, 100 * kMib);
   EXPECT_EQ(ThreadsFor(7), 7);

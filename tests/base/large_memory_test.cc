@@ -63,7 +63,7 @@ TEST(LargeMemory, ALargeBlockAsksForHugePages) {
 }
 
 // An advice about the page that a block shares with its neighbour would take the neighbour's bytes.
-TEST(LargeMemory, OnlyWholePagesOfABlockAreGivenBack) {
+TEST(LargeMemory, OnlyWholePagesOfABlockAreReleased) {
   const auto page = std::size_t(sysconf(_SC_PAGESIZE));
   std::vector<std::uint8_t> values(kMegabytes, 1);
   const std::size_t first = 3 * page + 5, bytes = 8 * page;
@@ -76,7 +76,7 @@ TEST(LargeMemory, OnlyWholePagesOfABlockAreGivenBack) {
   EXPECT_EQ(std::count(block, block + std::ptrdiff_t(bytes), 0), forgotten);
 }
 
-TEST(LargeMemory, ABlockWithoutAWholePageStays) {
+TEST(LargeMemory, ABlockWithoutAWholePageKeepsItsValues) {
   const auto page = std::size_t(sysconf(_SC_PAGESIZE));
   std::vector<std::uint8_t> values(kMegabytes, 1);
   GivePagesBack(values.data() + 1, page / 2);

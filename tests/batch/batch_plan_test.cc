@@ -45,7 +45,7 @@ TEST(NumberList, ListsSinglesRangesAndSteps) {
   }
 }
 
-TEST(NumberList, RefusesWhatIsNoneAndWhatIsTooLong) {
+TEST(NumberList, RefusesInvalidAndTooLongLists) {
   for (const char* const text : {"", ",", "1,", "1-", "-", "1-2-3", "1:2", "1-2:", "1-2:0",
                                  "1-2:-1", "a", "1.5", "1 2", "99999999999999999999"}) {
     Numbers numbers;
@@ -191,7 +191,7 @@ TEST_F(Plan, NumbersKeepTheirDigits) {
   EXPECT_EQ(request.job.environment.intensity, 0.123456789f);
 }
 
-TEST_F(Plan, ZippedAxesGoInStep) {
+TEST_F(Plan, ZippedAxesVaryTogether) {
   EXPECT_EQ(Outputs(std::string(kBase) + "[[zip]]\nseed = \"7,9\"\nspp = [1, 2]\n"
                                          "[axes]\ntone = [\"clip\", \"filmic\"]\n"
                                          "[output]\npath = \"{seed}_{spp}_{tone}.exr\"\n"),
@@ -211,7 +211,7 @@ TEST_F(Plan, PatternsOfFilesAreSortedAndRelativeToTheJobFile) {
                                    folder_.Path("skies/b.hdr")}));
 }
 
-TEST_F(Plan, MapsThatMoveHaveAFileForEveryFrame) {
+TEST_F(Plan, MapSequencesNeedAFileForEveryFrame) {
   for (const char* const map : {"sky_08.exr", "sky_09.exr", "sky_10.exr"}) folder_.Write(map, "");
   const std::string job =
       std::string(kBase) + "env = \"sky_##.exr\"\n[output]\npath = \"{env}_{frame:03}.exr\"\n";
@@ -225,7 +225,7 @@ TEST_F(Plan, MapsThatMoveHaveAFileForEveryFrame) {
                 {"sky_##.exr", "`frame N`"});
 }
 
-TEST_F(Plan, AStarIsEveryCameraOfTheScene) {
+TEST_F(Plan, AStarSelectsEveryCameraOfTheScene) {
   folder_.Write("a.gltf", TriangleDocument().text());
   const std::string output = "[output]\npath = \"{scene-camera}.exr\"\n[axes]\n";
   const std::string base = "[base]\nscene = \"a.gltf\"\n" + output;
@@ -264,7 +264,7 @@ TEST_F(Plan, SharesPartitionTheListAndKeepTheirIndices) {
   EXPECT_EQ(std::set<std::string>(together.begin(), together.end()).size(), 11u);
 }
 
-TEST_F(Plan, IsReadFromTheFileAsItWas) {
+TEST_F(Plan, AChangedOrRemovedJobFileIsNoticed) {
   const BatchPlan plan = Read(std::string(kBase) + kOutput);
   EXPECT_NO_THROW(CheckUnchanged(plan));
   Read(std::string(kBase) + kOutput + "# more\n");

@@ -67,7 +67,7 @@ TEST_F(Run, GoesOnAfterAFailureAndEndsWithTheFirstOnesCode) {
 }
 
 // A picture of this run is written when the second one after it has been rendered.
-TEST_F(Run, RendersOnWhilePicturesAreWrittenAndTellsOfThemInOrder) {
+TEST_F(Run, RendersWhilePicturesAreWrittenAndReportsInOrder) {
   std::atomic<std::size_t> begun = 0;
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     ++begun;
@@ -103,7 +103,7 @@ TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
   EXPECT_NE(summary.stopped.find("job.toml: has changed"), std::string::npos) << summary.stopped;
 }
 
-TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
+TEST_F(Run, SavesTheSummarySoFarWhenCanceled) {
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     if (picture.index == 1) throw RenderCanceled();
     return Known({.status = PictureStatus::kRendered});
@@ -117,7 +117,7 @@ TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
   EXPECT_EQ(saved, 1u);
 }
 
-TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
+TEST_F(Run, KeepsMeasurementsOfEarlierRunsOfTheSameBytes) {
   std::filesystem::create_directory(folder_.Path("o"));
   BatchSummary first;
   for (const std::string hash : {"a", "b", "c", "d", ""}) {

@@ -38,7 +38,7 @@ class Batch : public Program {
   }
 };
 
-TEST_F(Batch, MakesThePicturesOfSingleRendersAndNoOtherFile) {
+TEST_F(Batch, PicturesEqualSingleRendersAndNoOtherFileIsMade) {
   Put("job.toml", kJob);
   const Result result = Run("batch job.toml");
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -54,7 +54,7 @@ TEST_F(Batch, MakesThePicturesOfSingleRendersAndNoOtherFile) {
   EXPECT_EQ(summary["pictures"][2]["output"], "spheres_03.exr");
 }
 
-TEST_F(Batch, ASecondRunSkipsWhatIsThereAndTellsOfTheFirst) {
+TEST_F(Batch, ASecondRunSkipsFinishedPicturesAndKeepsTheirTimes) {
   Put("job.toml", kJob);
   EXPECT_EQ(Run("batch job.toml -q").exit_code, 0);
   const Json first = Json::parse(Bytes("out/job.batch.json"));
@@ -75,7 +75,7 @@ TEST_F(Batch, ASecondRunSkipsWhatIsThereAndTellsOfTheFirst) {
   EXPECT_EQ(Bytes("out/spheres_03.exr"), bytes);
 }
 
-TEST_F(Batch, ListsAndSharesMakeNothing) {
+TEST_F(Batch, ListingMakesNoFile) {
   Put("job.toml", kJob);
   const Json list = Json::parse(Run("batch job.toml --list --json --only 2/2").out);
   ASSERT_EQ(list["pictures"].size(), 1u);
@@ -137,7 +137,7 @@ TEST_F(Batch, FormatsAndLimitsAreThoseOfTheJob) {
 }
 
 // A scene names files that the job does not.
-TEST_F(Batch, NoPictureReplacesWhatAnEarlierOneIsMadeOf) {
+TEST_F(Batch, NoPictureReplacesAnInputOfAnEarlierOne) {
   WriteExr(Path("map_2.exr"), Image(4, 2));
   const std::string before = Bytes("map_2.exr");
   Put("sky.pbrt",
@@ -154,7 +154,7 @@ TEST_F(Batch, NoPictureReplacesWhatAnEarlierOneIsMadeOf) {
   EXPECT_TRUE(std::filesystem::exists(Path("map_3.exr")));
 }
 
-TEST_F(Batch, WritesUnderTheFolderThatIsAskedFor) {
+TEST_F(Batch, WritesBelowTheRequestedFolder) {
   Put("job.toml", kJob);
   EXPECT_EQ(Run("batch job.toml -q -o else --only 1/2").exit_code, 0);
   EXPECT_EQ(FilesIn("else/out"),
@@ -162,7 +162,7 @@ TEST_F(Batch, WritesUnderTheFolderThatIsAskedFor) {
                    "spheres_03.exr", "spheres_03.png"}));
 }
 
-TEST_F(Batch, APictureThatFailsIsToldAndTheOthersAreMade) {
+TEST_F(Batch, AFailedPictureIsReportedAndTheOthersAreRendered) {
   Put("bad.hdr", "no map");
   Image map(8, 4);
   std::fill(map.rgb.begin(), map.rgb.end(), 1.0f);
@@ -180,7 +180,7 @@ TEST_F(Batch, APictureThatFailsIsToldAndTheOthersAreMade) {
                             "job.batch.html", "job.batch.json"}));
 }
 
-TEST_F(Batch, FramesOfAMapThatMovesAreThoseOfTheirCommands) {
+TEST_F(Batch, FramesOfAMapSequenceEqualTheirCommands) {
   for (const int frame : {1, 2}) {
     Image map(8, 4);
     std::fill(map.rgb.begin(), map.rgb.end(), float(frame));

@@ -178,7 +178,7 @@ TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
 }
 
 // Bencher takes standard output, so nothing else may be there.
-TEST_F(Bench, ExportsAreAllOfStandardOutput) {
+TEST_F(Bench, ExportsReplaceTheTextOnStandardOutput) {
   const std::string scene = "bench spheres --size 32x24 --spp 1 ";
   const Result bmf = Run(scene + "--repetitions 2 --export bmf --json a.json");
   ASSERT_EQ(bmf.exit_code, 0) << bmf.err;
@@ -404,7 +404,7 @@ struct BadCase {
   std::vector<std::string> message;  // expected parts of the message
 };
 
-TEST_F(Bench, BadInputIsToldClearlyAndLeavesNoFile) {
+TEST_F(Bench, BadInputIsReportedAndLeavesNoFile) {
   Put("other.json", "{\"schema\": \"skywave-bench-1\"}");
   Put("no.json", "frob");
   const std::set<std::string> before = Files();

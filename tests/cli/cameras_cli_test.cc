@@ -93,7 +93,7 @@ double LightAt(const View& view, const glm::dvec2& at, const glm::dvec2& size) {
 using CamerasCli = Program;
 
 // No surface scatters, so all of them are black.
-TEST_F(CamerasCli, SeeWhatTheyMust) {
+TEST_F(CamerasCli, EachViewSeesOrMissesTheTriangle) {
   Put("triangle.ply",
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"

@@ -123,7 +123,7 @@ struct BadCase {
   std::vector<std::string> message;  // expected parts of the message
 };
 
-TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
+TEST_F(Cli, BadInputIsReportedAndLeavesNoFile) {
   const std::string small = " --size 4x3 --spp 1";
   const BadCase cases[] = {
       // Scenes

@@ -159,7 +159,7 @@ TEST_F(Converge, ErrorMapsHaveTheScaleOfTheMedianStrategy) {
   EXPECT_LE(scale, 2 * std::sqrt(errors[1]) * 1.1);
 }
 
-TEST_F(Converge, TimesAreComparedAtTheErrorThatIsAskedFor) {
+TEST_F(Converge, TimesAreComparedAtTheTargetError) {
   ASSERT_EQ(
       Run(std::string(kSmall) + "--strategies importance uniform --budgets 1,4,16 --repeats 2 "
                                 "--reference-spp 1024 --json j.json -q")
@@ -340,7 +340,7 @@ struct BadCase {
   std::vector<std::string> message;  // expected parts of the message
 };
 
-TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {
+TEST_F(Converge, BadInputIsReportedAndLeavesNoFile) {
   WriteExr(Path("small.exr"), Image(8, 4));
   Image bad(32, 24);
   bad.rgb[5] = std::numeric_limits<float>::quiet_NaN();
@@ -427,7 +427,7 @@ TEST_F(Converge, HelpHasExamples) {
 }
 
 // A run is repeated by render, and compare tells the same errors of it.
-TEST_F(Converge, ErrorsOfARunAreThoseThatCompareTells) {
+TEST_F(Converge, ErrorsOfARunEqualThoseOfCompare) {
   ASSERT_EQ(Run(std::string(kSmall) + "--strategies importance --budgets 2 --repeats 2 "
                                       "--reference-spp 64 --save-reference r.exr --json j.json -q")
                 .exit_code,

@@ -34,7 +34,7 @@ class DenoiseProgram : public Program {
   }
 };
 
-TEST_F(DenoiseProgram, TwoCommandsMakeThePictureOfOne) {
+TEST_F(DenoiseProgram, RenderThenDenoiseEqualsOneCommand) {
   Make(kRender + std::string("--denoise -o one.exr"));
   Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
   Make("denoise noisy.exr -q -o two.exr");
@@ -79,7 +79,7 @@ TEST_F(DenoiseProgram, ThreadsDoNotChangeABatchOrABlockThatEndsEarly) {
   EXPECT_EQ(ReadImage(Path("0.exr")).rgb, ReadImage(Path("alone.exr")).rgb);
 }
 
-TEST_F(DenoiseProgram, WhatCannotBeDenoisedIsRefused) {
+TEST_F(DenoiseProgram, UnusableInputsAndOutputsAreRefused) {
   Make(kRender + std::string("--denoise --aovs denoiser -o clean.exr"));
   Make(kRender + std::string("--aovs albedo -o albedo.exr"));
   Make(kRender + std::string("--aovs denoiser --sample-range 4:12 -o half.exr"));
@@ -124,7 +124,7 @@ TEST_F(DenoiseProgram, LayersThatNeedTooMuchMemoryAreRefused) {
 }
 
 // A film of too few samples for a denoiser keeps what it reads all the same.
-TEST_F(DenoiseProgram, ALookAtTooFewSamplesStaysNoisy) {
+TEST_F(DenoiseProgram, ASnapshotOfTooFewSamplesStaysNoisy) {
   const Result result =
       Run("render spheres --size 32x24 --spp 16 --sample-range 0:4 --denoise -o a.exr");
   EXPECT_EQ(result.exit_code, 0);

@@ -173,7 +173,7 @@ TEST_F(RenderedExport, BlenderShowsTheSameIrradiance) {
 }
 
 // The residual map, as Blender's world, must be oriented like the lights.
-TEST_F(RenderedExport, BlenderShowsTheAxesOfTheRest) {
+TEST_F(RenderedExport, BlenderOrientsTheResidualMapLikeTheLights) {
   if (!IsInstalled("blender")) GTEST_SKIP() << "blender is not installed";
   WriteExr(File("rest.exr"), CalibrationMap(128));
   WriteFileAtomically(File("lights.py"), ExportLights({}, {.format = LightFormat::kBlender,

@@ -93,7 +93,7 @@ TEST_F(Info, ListsCamerasAndAnimations) {
 }
 
 // Three nodes show the triangle of one mesh, which is there once where it is shared.
-TEST_F(Info, CountsWhatInstancesShow) {
+TEST_F(Info, CountsTheTrianglesOfEveryInstance) {
   GltfDocument document = TriangleDocument();
   for (const int x : {1, 2}) {
     document.json["scenes"][0]["nodes"].push_back(document.json["nodes"].size());
@@ -185,7 +185,7 @@ TEST_F(Info, ASceneIsNeverOverwritten) {
   EXPECT_EQ(Bytes("a.obj"), before);
 }
 
-TEST_F(Info, BadInputIsToldClearlyAndLeavesNoFile) {
+TEST_F(Info, BadInputIsReportedAndLeavesNoFile) {
   const std::set<std::string> before = Files();
   const Result bad = Run("info bad.obj --json i.json");
   EXPECT_EQ(bad.exit_code, kExitBadInput);

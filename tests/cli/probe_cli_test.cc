@@ -49,7 +49,7 @@ class ProbeCommand : public testing::Test {
   std::string out_;
 };
 
-TEST_F(ProbeCommand, InfoTellsTheMap) {
+TEST_F(ProbeCommand, InfoDescribesTheMap) {
   ASSERT_EQ(Probe("info sun.exr --json info.json"), 0) << out_;
   const auto json = nlohmann::json::parse(ReadFile(File("info.json")));
   EXPECT_EQ(json["projection"], "latlong");
@@ -72,7 +72,7 @@ TEST_F(ProbeCommand, InfoTellsTheMap) {
   EXPECT_NEAR(percent[0] + percent[1], 100, 0.002);
 }
 
-TEST_F(ProbeCommand, ConvertGoesThereAndBack) {
+TEST_F(ProbeCommand, ConvertingThereAndBackKeepsTheIntegral) {
   const auto before = SphereIntegral(test::SunMap(64, 32, 1000), Projection::kLatLong);
   for (const char* name : {"angular", "mirror-ball", "horizontal-cross", "vertical-cross",
                            "cube-strip", "octahedral"}) {
@@ -192,7 +192,7 @@ TEST_F(ProbeCommand, PlotsAreColouredAsAsked) {
 }
 
 // The middle of the sphere is the axis from which it is seen, in the colour that calibrate tells.
-TEST_F(ProbeCommand, PlotsShowTheSideThatIsAskedFor) {
+TEST_F(ProbeCommand, PlotsShowTheRequestedSide) {
   ASSERT_EQ(Probe("calibrate -o axes.exr --height 128"), 0) << out_;
   const std::pair<const char*, Vector3> sides[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},
                                                    {"front", {0, 1, 0}}, {"back", {0, -1, 0}},

@@ -14,7 +14,7 @@ using ProgressCli = Program;
 
 constexpr char kSmall[] = "render spheres --size 24x16 --spp 4 -o a.exr --progress ";
 
-TEST_F(ProgressCli, JsonIsAnObjectALineWithTheEndAtTheEnd) {
+TEST_F(ProgressCli, JsonHasOneObjectPerLineAndEndsComplete) {
   const Result result = Run(std::string(kSmall) + "json");
   ASSERT_EQ(result.exit_code, 0);
   std::istringstream lines(result.err);
@@ -36,7 +36,7 @@ TEST_F(ProgressCli, StepsOfPathsAreCounted) {
   EXPECT_NE(result.out.find("openjd_status: 1 of 9, "), std::string::npos) << result.out;
 }
 
-TEST_F(ProgressCli, OpenJobDescriptionIsToldOfAFailure) {
+TEST_F(ProgressCli, OpenJobDescriptionGetsAFailure) {
   const Result result = Run("render missing.ply --progress openjd");
   EXPECT_NE(result.exit_code, 0);
   EXPECT_TRUE(result.out.starts_with("openjd_fail: missing.ply: ")) << result.out;

@@ -311,7 +311,7 @@ TEST_F(RenderCli, ACropWindowOfAPbrtFileIsTaken) {
 }
 
 // What options of the command line decide is what a render has counted.
-TEST_F(RenderCli, OptionsOfSplitPathsArrive) {
+TEST_F(RenderCli, OptionsOfSplitPathsChangeTheRayCounts) {
   const auto rays = [&](const std::string& kind, const std::string& options) {
     const Result result =
         Run("render good.ply --env map.exr --ground --size 16x12 --spp 4 -q "
@@ -331,7 +331,7 @@ TEST_F(RenderCli, OptionsOfSplitPathsArrive) {
   EXPECT_LT(by_bsdf, 0.9 * by_map);
 }
 
-TEST_F(RenderCli, TheSceneHashTellsScenesApart) {
+TEST_F(RenderCli, SceneHashesDifferBetweenScenes) {
   const auto hash = [&](const std::string& arguments) {
     EXPECT_EQ(Run("render " + arguments + " -q --size 3x3 --spp 1 -o h.exr").exit_code, 0);
     return Value(ReadExrMetadata(Path("h.exr")), "sceneHash");

@@ -65,14 +65,14 @@ TEST_F(RenderStop, SigtermAndSigintSaveACheckpointToResume) {
                                             "INT.exr", "INT.png"}));
 }
 
-TEST_F(RenderStop, ASecondSignalEndsTheProcessWhicheverItIs) {
+TEST_F(RenderStop, ASecondSignalOfEitherKindEndsTheProcess) {
   const int code = RunAnd(std::string(kPicture) + "--checkpoint 0 -o a.exr --threads 1",
                           "kill -INT $pid; kill -TERM $pid");
   // Either may be delivered first.
   EXPECT_TRUE(code == 128 + SIGTERM || code == 128 + SIGINT) << code << Errors();
 }
 
-TEST_F(RenderStop, StatisticsTellWhatALimitedRenderGot) {
+TEST_F(RenderStop, StatisticsReportTheSamplesOfALimitedRender) {
   ASSERT_EQ(
       Run("render spheres --size 6x5 --spp 64 --noise 1e9 --stats s.json -q -o a.exr").exit_code,
       0);
@@ -107,7 +107,7 @@ TEST_F(RenderStop, ASnapshotThatCannotBeWrittenIsANote) {
   EXPECT_TRUE(Exists("a.exr"));
 }
 
-TEST_F(RenderStop, NoFileIsWrittenTwice) {
+TEST_F(RenderStop, OutputsOfTheSameNameAreRefused) {
   const std::string small = "render spheres --size 8x8 --spp 1 -q ";
   for (const std::string names :
        {"--film a.checkpoint --resume", "-o a.exr --film a.exr", "-o a.exr --stats a.png"}) {

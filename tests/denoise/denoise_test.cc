@@ -163,7 +163,7 @@ TEST(Denoise, FlatLightKeepsItsMean) {
   EXPECT_LT(error, 1e-3);
 }
 
-TEST(Denoise, EdgesThatSamplesTellApartStay) {
+TEST(Denoise, EdgesThatSamplesResolveStay) {
   const Noisy noisy = Draw(Steps, 2);
   const Denoised clean = Clean(noisy);
   double left = 0, right = 0;
@@ -265,7 +265,7 @@ TEST(Denoise, WithoutNoiseNothingChanges) {
   }
 }
 
-TEST(Denoise, ErrorsAreWhatIntervalsSay) {
+TEST(Denoise, IntervalsCoverTheStatedShareOfErrors) {
   for (const Truth& truth : {Truth(Flat), Truth(Slope), Truth(Steps), Truth(Checkered)}) {
     const Denoised clean = Clean(Draw(truth, 6));
     const double coverage = Coverage(clean, truth);
@@ -356,7 +356,7 @@ TEST(Planes, HoldTheMeansAndTheNoiseOfBothHalves) {
 
 // The channels of a picture are alike: one whose colours and axes are turned round becomes the
 // turned picture.
-TEST(Denoise, NoChannelHasPrivileges) {
+TEST(Denoise, ChannelsAreTreatedAlike) {
   const Truth truths[] = {
       [](int x, int) { return Pixel{.light = x < kSide / 2 ? 1.0 : 1.6}; },
       [](int x, int y) { return Pixel{.light = 1 + 0.01 * x + 0.005 * y, .deviation = 0.2}; },
@@ -524,7 +524,7 @@ TEST(Denoise, SlantedSurfacesAreAveraged) {
   }
 }
 
-TEST(Denoise, SmallPicturesAndNegativeValues) {
+TEST(Denoise, SmallPicturesAndNegativeValuesAreDenoised) {
   const Truth below_zero = [](int x, int) { return Pixel{.light = x % 2 == 0 ? -1.0 : 0.5}; };
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {1, 40}, {65, 9}}) {
     const Noisy noisy = Draw(below_zero, 14, width, height);
@@ -590,7 +590,7 @@ TEST(Denoise, BadInputIsRefused) {
 }
 
 // A pixel whose samples are all alike by accident is no better known than those around it.
-TEST(Denoise, PixelsThatSawNoNoiseAreAveraged) {
+TEST(Denoise, PixelsWithoutVarianceAreAveraged) {
   const Truth dots = [](int x, int y) {
     return x % 8 == 4 && y % 8 == 4 ? Pixel{.light = 0.5, .deviation = 0}
                                     : Pixel{.light = 1, .deviation = 2};

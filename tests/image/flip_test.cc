@@ -88,7 +88,7 @@ TEST(Flip, HdrAgreesWithTheProgramOfItsAuthors) {
   EXPECT_NEAR(swapped.last_stops, -0.660752, 1e-5);
 }
 
-TEST(Flip, OfPlainColoursIsThatOfTheAuthors) {
+TEST(Flip, PlainColoursMatchTheAuthorsProgram) {
   const Image black = Plain(0, 0, 0);
   EXPECT_NEAR(LdrFlip(Plain(1, 1, 1), black).mean, 0.967392, 1e-5);
   EXPECT_NEAR(LdrFlip(Plain(0, 1, 0), black).mean, 0.996970, 1e-5);
@@ -101,7 +101,7 @@ TEST(Flip, LdrIsSymmetricAndZeroForEqualPictures) {
   EXPECT_EQ(HdrFlip(Cubed(Changed()), Cubed(Changed())).mean, 0);
 }
 
-TEST(Flip, IsNoLessForMoreOfAChange) {
+TEST(Flip, LargerChangesNeverLowerIt) {
   double before = 0;
   for (const float change : {0.02f, 0.1f, 0.4f, 0.9f}) {
     const double mean = LdrFlip(Plain(change, 0.1f, 0.1f), Plain(0, 0.1f, 0.1f)).mean;
@@ -152,7 +152,7 @@ TEST(Flip, HasAnExposureForEveryStop) {
 }
 
 // Six tenths are black; most of the rest is 2, and a little is 8.
-TEST(Flip, TheMedianOfADarkPictureIsThatOfItsLight) {
+TEST(Flip, MedianOfADarkPictureIsOverItsLitPixels) {
   Image reference = Plain(0, 0, 0);
   const std::size_t pixels = reference.rgb.size() / 3;
   for (std::size_t i = 0; i < pixels * 4 / 10; ++i) {

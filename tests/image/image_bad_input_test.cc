@@ -167,7 +167,7 @@ TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {
 
 // The header and chunk table are flawless and describe a picture of gigabytes; only the chunks are
 // too short.
-TEST_F(BadInput, ExrOfFewBytesIsNotTakenForAHugePicture) {
+TEST_F(BadInput, ExrOfFewBytesCannotClaimAHugePicture) {
   constexpr std::uint32_t kWidth = 32768, kHeight = 8192, kRowsPerChunk = 32;
   const Image image = Numbered(4, 4);
   WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::PIZ_COMPRESSION), image);
@@ -191,7 +191,7 @@ TEST_F(BadInput, ExrOfFewBytesIsNotTakenForAHugePicture) {
   EXPECT_NE(message().find("too short"), std::string::npos) << message();
 }
 
-TEST_F(BadInput, LimitsOfTheCallerHold) {
+TEST_F(BadInput, LimitsOfTheCallerAreEnforced) {
   ReadLimits narrow, low, few;
   narrow.max_width = 10;
   low.max_height = 4;
@@ -214,7 +214,7 @@ TEST_F(BadInput, ErrorsSayWhereInTheFile) {
   EXPECT_NE(message().find("(byte 50)"), std::string::npos) << message();
 }
 
-TEST_F(BadInput, TextThatIsNoHeader) {
+TEST_F(BadInput, TextWithoutAHeaderIsRefused) {
   const std::string pixels(4 * 8 * 4, '\x40');
   for (const char* const header :
        {"#?RADIANC\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", "#?RADIANCE\n\n-Y 4 +X 8\n",

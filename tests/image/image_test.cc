@@ -93,7 +93,7 @@ TEST_F(ImageFiles, ExrBytesDoNotDependOnThreads) {
 
 // Strips end where chunks end, so a file is the one that the library writes in one go. What the
 // library deflates has other bytes in each of its versions, so that it is compared as read.
-TEST_F(ImageFiles, ExrIsThatOfTheLibrary) {
+TEST_F(ImageFiles, ExrEqualsThatOfTheLibrary) {
   const Image image = Numbered(40, 300);
   for (const ExrCompression compression : ValuesOf<ExrCompression>()) {
     WriteExr(Path("a.exr"), image, {}, {}, {.compression = compression});
@@ -319,7 +319,7 @@ TEST_F(ImageFiles, PfmInBothByteOrdersAndGrey) {
   EXPECT_EQ(ReadImage(Put("b.pfm", "PF 1 1 2.5e3\n" + colour)).rgb, (std::vector<float>{1, 2, -2}));
 }
 
-TEST_F(ImageFiles, RgbeIsExactWhereItCan) {
+TEST_F(ImageFiles, RgbeIsExactForRepresentableValues) {
   for (const int width : {1, 7, 8, 127, 128, 300, 40000}) {  // flat and run-length coded
     const Image image = Numbered(width, 3);
     WriteRgbe(Path("a.hdr"), image);
@@ -348,7 +348,7 @@ TEST_F(ImageFiles, RgbeKeepsRuns) {
   EXPECT_LT(std::filesystem::file_size(Path("black.hdr")), 50 * 60u);
 }
 
-TEST_F(ImageFiles, RgbeIsNearest) {
+TEST_F(ImageFiles, RgbeRoundsToNearest) {
   Image image(200, 1);
   for (int i = 0; i < 600; ++i) image.rgb[i] = std::exp(0.05f * float(i * 37 % 600) - 15);
   image.rgb[0] = image.rgb[1] = 255.75f;  // rounds up into the next exponent
@@ -363,7 +363,7 @@ TEST_F(ImageFiles, RgbeIsNearest) {
   }
 }
 
-TEST_F(ImageFiles, RgbeClampsWhatItCannotHold) {
+TEST_F(ImageFiles, RgbeClampsValuesOutOfRange) {
   Image image(3, 1);
   image.rgb = {kNan, -1, 2, kInf, 1, 0, -kInf, 1e-40f, 0};
   WriteRgbe(Path("a.hdr"), image);

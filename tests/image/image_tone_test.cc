@@ -122,7 +122,7 @@ TEST(ToneMap, ReinhardKeepsHueAndEndsAtWhite) {
   EXPECT_EQ(mapped, ToneMap(image, {.exposure_stops = float(std::log2(scale))}));
 }
 
-TEST(AutomaticExposure, PutsTheMedianOfWhatIsLitAtGrey) {
+TEST(AutomaticExposure, MedianOfLitPixelsBecomesGrey) {
   EXPECT_EQ(AutomaticExposureStops(Grey({0.18f})), 0);
   EXPECT_EQ(AutomaticExposureStops(Grey({0.09f, 0.09f, 1000})), 1);
   EXPECT_EQ(AutomaticExposureStops(Grey({0, 0, 0, 0, 0.72f})), -2);

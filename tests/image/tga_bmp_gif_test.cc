@@ -208,7 +208,7 @@ TEST(Tga, GreyIsInAllChannels) {
   ExpectColorsAndAlpha("B.TGA", Tga(picture, TgaType::kGrey, 8, false), picture, false);
 }
 
-TEST(Tga, IsToldByItsName) {
+TEST(Tga, IsRecognisedByItsName) {
   const std::string tga = Tga(Picture(4, 3), TgaType::kColor, 24, true);
   EXPECT_THROW(DecodeTexture("a.png", tga, Encoding::kSrgb), InputError);
   const TemporaryFolder folder;

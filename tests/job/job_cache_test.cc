@@ -46,7 +46,7 @@ class Cache : public testing::Test {
   int made_ = 0;
 };
 
-TEST_F(Cache, DropsFirstWhatHasNotBeenAskedForLongest) {
+TEST_F(Cache, DropsTheLeastRecentlyUsedFirst) {
   JobCache cache(30);
   for (const char* const key : {"a", "b", "c", "a", "d"}) Get(cache, key);
   EXPECT_EQ(made_, 4);
@@ -71,7 +71,7 @@ TEST_F(Cache, StaysWithinItsLimitWhateverTheSizes) {
   EXPECT_FALSE(Has(cache, "large"));
 }
 
-TEST_F(Cache, HoldersKeepWhatItDrops) {
+TEST_F(Cache, DroppedValuesLiveWhileTheyAreHeld) {
   JobCache cache(1);
   const std::shared_ptr<const Bytes> held = Get(cache, "a");
   EXPECT_FALSE(Has(cache, "a"));
@@ -100,7 +100,7 @@ TEST_F(Cache, MakesAValueOnceForAllThreads) {
   EXPECT_EQ(cache.bytes(), 10u);
 }
 
-TEST_F(Cache, ForgetsWhatCouldNotBeMade) {
+TEST_F(Cache, FailedValuesAreTriedAgain) {
   JobCache cache(100);
   const auto fail = [&] {
     cache.Get<Bytes>(
@@ -243,7 +243,7 @@ TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
   EXPECT_NE(ground.geometry().scene(), plain.geometry().scene());
 }
 
-TEST_F(SharedParts, MakeThePicturesOfPartsThatAreMadeAnew) {
+TEST_F(SharedParts, PicturesEqualThoseWithoutACache) {
   std::vector<Outcome> expected;
   for (const Options& job : jobs_) expected.push_back(Render(job, nullptr));
   JobCache all(std::uint64_t{1} << 40), none(1), some(200'000);

@@ -13,7 +13,7 @@ namespace skywave {
 namespace {
 
 // 128 of 255 are 0.2158605 of white (IEC 61966-2-1).
-TEST(MapFormats, AreThoseOfTexturesForLightsOfTheScene) {
+TEST(MapFormats, SceneLightsTakeTextureFormats) {
   const TemporaryFolder folder;
   const std::string path = folder.Path("map.png");
   WritePng(path, 2, 1, {128, 255, 0, 255, 128, 0});
@@ -32,7 +32,7 @@ TEST(MapFormats, AreThoseOfTexturesForLightsOfTheScene) {
   }
 }
 
-TEST(MapFormats, AreOfRadianceForMapsOfTheRequest) {
+TEST(MapFormats, RequestedMapsTakeRadianceFormatsOnly) {
   const TemporaryFolder folder;
   WritePng(folder.Path("map.png"), 2, 1, {128, 255, 0, 255, 128, 0});
   JobRequest request;

@@ -169,7 +169,7 @@ TEST(MergeFilms, AFilmIsFlushedBeforeItsName) {
   EXPECT_EQ(flushed_are_folders, (std::vector<bool>{false, true}));
 }
 
-TEST(MergeFilms, AnySplitHasTheBytesOfOneRender) {
+TEST(MergeFilms, MergedPartsEqualTheWholePicture) {
   ExpectBytesOfOneRender(Request(Integrator::kPath, "all"), 10, false);
 }
 
@@ -326,7 +326,7 @@ TEST(MergeFilms, CropsOfPicturesWithSplatsAreRefused) {
       {left, "crop 15x22+0+0", "parts by samples alone"});
 }
 
-TEST(MergeFilms, WhatIsLeftWithoutAPartIsThatByCounting) {
+TEST(MergeFilms, MissingBoxesMatchACountOfSamples) {
   constexpr int kSide = 6;
   std::mt19937 random(3);
   const auto box = [&] {
@@ -423,7 +423,7 @@ TEST_F(TornFilm, AFilmThatIsTornOrChangedIsRefused) {
   EXPECT_TRUE(IsRefused(bytes_ + "x"));
 }
 
-TEST_F(TornFilm, AManifestThatDoesNotSayWhatFollowsIsRefused) {
+TEST_F(TornFilm, AManifestThatDisagreesWithTheDataIsRefused) {
   const std::vector<std::pair<const char*, Json>> lies = {
       {"/format", 2},
       {"/window", {0, 0, 8, 5}},
@@ -475,7 +475,7 @@ TEST_F(TornFilm, AManifestThatDoesNotSayWhatFollowsIsRefused) {
 }
 
 // Whatever the manifest says under a checksum that fits, nothing but InputError comes of it.
-TEST_F(TornFilm, RandomManifestsDoNoHarm) {
+TEST_F(TornFilm, RandomManifestsDoNotCrash) {
   std::mt19937 random(9);
   const std::string manifest = manifest_.dump();
   const std::string digits = "0123456789-.,[]{}\"e";

@@ -29,7 +29,7 @@ void Set(JobRequest& request, const std::string& name, const std::string& text) 
   SetOption(options, name, text);
 }
 
-TEST(Options, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
+TEST(Options, HaveUniqueNamesAndHelpTexts) {
   std::set<std::string_view> names;
   for (const JobOption& option : JobOptions()) {
     SCOPED_TRACE(option.name);
@@ -43,7 +43,7 @@ TEST(Options, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
 }
 
 // Without an example, the test of recorded commands would skip the option.
-TEST(Options, ThatDecideAPictureHaveAnExampleThatNamesThem) {
+TEST(Options, OptionsOfThePictureHaveAnExampleThatNamesThem) {
   for (const JobOption& option : JobOptions()) {
     SCOPED_TRACE(option.name);
     if (option.scope != OptionScope::kPixels && option.scope != OptionScope::kInput) continue;
@@ -54,7 +54,7 @@ TEST(Options, ThatDecideAPictureHaveAnExampleThatNamesThem) {
   }
 }
 
-TEST(Options, ReadTheWordsThatTheyPrint) {
+TEST(Options, ParseTheWordsThatTheyPrint) {
   const std::pair<const char*, const char*> values[] = {{"size", "31x17"},
                                                         {"spp", "7"},
                                                         {"integrator", "vcm"},
@@ -113,7 +113,7 @@ TEST(Options, RefuseCallsThatTheLinkedEmbreeLacks) {
 }
 
 // Every printed default is a valid value of the option, and equals the default of the field.
-TEST(Options, TakeTheirOwnDefaults) {
+TEST(Options, PrintedDefaultsParseToTheDefault) {
   const JobRequest defaults;
   for (const JobOption& option : JobOptions()) {
     for (const std::string& text : option.get(defaults)) {
@@ -125,7 +125,7 @@ TEST(Options, TakeTheirOwnDefaults) {
   }
 }
 
-TEST(Options, RefuseOtherTextsAndNames) {
+TEST(Options, InvalidValuesAndNamesAreRefused) {
   const std::pair<const char*, const char*> values[] = {
       {"size", "0x3"},        {"size", "3"},
       {"size", "3x4x5"},      {"spp", "0"},
@@ -200,7 +200,7 @@ TEST(Resolve, TakesTheRequestThenTheSceneThenTheDefault) {
 }
 
 // Resolving again changes nothing: a recorded command is a fixed point.
-TEST(Resolve, IsAFixedPoint) {
+TEST(Resolve, ResolvingTwiceChangesNothing) {
   RenderSettings scene;
   scene.crop = CropFractions{0.25f, 0.75f, 0.5f, 1};
   scene.integrator = "photon";
@@ -222,7 +222,7 @@ TEST(Resolve, IsAFixedPoint) {
 }
 
 // A tenth of 160 pixels is 16, although a tenth is not a float. pbrt rounds the product up.
-TEST(Resolve, CropsTheWholePixelsThatAFileMeans) {
+TEST(Resolve, FractionsOfAFileBecomeWholePixels) {
   RenderSettings scene;
   scene.crop = CropFractions{0.1f, 0.9f, 0.1f, 0.9f};
   JobRequest request;
@@ -234,7 +234,7 @@ TEST(Resolve, CropsTheWholePixelsThatAFileMeans) {
   EXPECT_EQ(options.height, 96);
 }
 
-TEST(Resolve, LowersADepthThatNoPathCanHave) {
+TEST(Resolve, LowersADepthBeyondTheLargest) {
   RenderSettings scene;
   scene.max_depth = 100000;
   std::vector<std::string> notes;
@@ -266,7 +266,7 @@ TEST(PictureOptions, NamesWhatDecidesThePictureAndNothingElse) {
   EXPECT_EQ(PictureOptions(Resolve(request), without).find("--photons"), std::string::npos);
 }
 
-TEST(Options, TheNumberOfLightsThatABiasNeedsIsTold) {
+TEST(Options, TheNumberOfLightsForABiasIsReported) {
   JobRequest request;
   request.scene = "spheres";
   request.width = request.height = 4, request.samples_per_pixel = 1;

@@ -74,7 +74,7 @@ TEST(PbrtPortals, ChooseTheStrategyUnlessTheUserDoes) {
   ExpectContains(Refusal([&] { RenderJob(without, request); }), "no portals");
 }
 
-TEST(PbrtPortals, ThatAreNoneAreRefusedWithTheirPlace) {
+TEST(PbrtPortals, InvalidPortalsAreRefusedWithTheirPlace) {
   const std::pair<const char*, const char*> cases[] = {
       {"0 0 3  0 2 3  1 2 3", "9 numbers"},
       {"0 0 3  0 2 3  1 2 3  1 0 3  7 7 3", "15 numbers"},
@@ -113,7 +113,7 @@ Scene RoomOfGltf() {
   return ParseGltf(file.text(), "t.gltf");
 }
 
-TEST(GivenPortals, CanBeAMeshWhichIsNoSurfaceThen) {
+TEST(GivenPortals, APortalMeshIsNotRendered) {
   Scene scene = RoomOfGltf();
   ASSERT_EQ(scene.meshes.size(), 2u);
   AddPortals({"window"}, scene);
@@ -127,7 +127,7 @@ TEST(GivenPortals, CanBeAMeshWhichIsNoSurfaceThen) {
   ExpectNear(Out(portal), {-1, 0, 0});
 }
 
-TEST(GivenPortals, AreRefusedWhereTheyAreNone) {
+TEST(GivenPortals, InvalidPortalsAreRefused) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"windows"}, "the scene has window"},
       {{"1,2,3"}, "3 numbers"},

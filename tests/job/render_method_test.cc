@@ -28,7 +28,7 @@ class RenderMethods : public testing::Test {
 
 // MIS compensation leaves directions to BSDF samples, and product draws for a surface: light paths
 // that started with either would miss light.
-TEST_F(RenderMethods, LightPathsStartWithWhatCanEmit) {
+TEST_F(RenderMethods, LightPathsStartWithAStrategyThatCanEmit) {
   const RenderJob job(request_);
   ASSERT_FALSE(CanEmit(job.strategy()));
   for (const Integrator integrator : ValuesOf<Integrator>()) {

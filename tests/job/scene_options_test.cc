@@ -56,7 +56,7 @@ TEST(Orbit, TurnsCounterClockwiseSeenFromAbove) {
   ExpectNear(Eye(Choose(scene, request)), {4, 1, 0});
 }
 
-TEST(Orbit, GoesThroughTheTargetOrTheMiddleOfTheScene) {
+TEST(Orbit, TurnsAboutTheTargetOrTheMiddleOfTheScene) {
   CameraRequest request = {.eye = glm::vec3(1, 1, 5)};
   request.orbit_degrees = 180.0f;
   ExpectNear(Eye(Choose({}, request)), {1, 1, -5});
@@ -72,7 +72,7 @@ TEST(Orbit, GoesThroughTheTargetOrTheMiddleOfTheScene) {
              {1 - Eye(automatic).z, Eye(automatic).y, Eye(automatic).x - 1}, 1e-4f);
 }
 
-TEST(Orbit, OfFourQuartersIsWhereItBegan) {
+TEST(Orbit, FourQuarterTurnsReturnToTheStart) {
   Scene scene = {.camera = LookAtCamera({3, 4, 5}, {0, 1, 0}, {0, 1, 0}, 30, false)};
   const glm::mat4 start = scene.camera->world_from_camera;
   CameraRequest quarter;
@@ -167,7 +167,7 @@ TEST(MaterialChanges, GiveEveryMaterialOfTheNameANewBsdf) {
   EXPECT_NE(SceneHash(scene), SceneHash(before));
 }
 
-TEST(MaterialChanges, WithoutABsdfKeepWhatTheyDoNotName) {
+TEST(MaterialChanges, WithoutABsdfOtherParametersAreKept) {
   Scene scene = Painted();
   ChangeMaterials({"paint=:reflectance=0.75", " a=b=:ior=1.75 ", "a=b=:absorption=1/2/3"}, scene);
   EXPECT_EQ(scene.materials[0].reflectance, glm::vec3(0.75f)) << "one number is grey";
@@ -178,7 +178,7 @@ TEST(MaterialChanges, WithoutABsdfKeepWhatTheyDoNotName) {
   EXPECT_EQ(scene.materials[1].absorption, glm::vec3(1, 2, 3));
 }
 
-TEST(MaterialChanges, AreOfTheLongestNameThatFits) {
+TEST(MaterialChanges, TheLongestMatchingNameCounts) {
   Scene scene = Painted();
   scene.materials.push_back({.name = "a", .bsdf = BsdfKind::kDielectric, .ior = 2});
   ChangeMaterials({"a=b=:ior=1.75"}, scene);
@@ -190,7 +190,7 @@ TEST(MaterialChanges, AreOfTheLongestNameThatFits) {
 }
 
 // Without compensation rough metal is that of two widths, which are equal: it draws no other lobe.
-TEST(MaterialChanges, LeaveFacetsWithoutTheirCompensation) {
+TEST(MaterialChanges, CompensationCanBeLeftOut) {
   Scene scene = Painted();
   scene.materials.push_back({.bsdf = BsdfKind::kConductor, .alpha = 0.5f, .roughness_texture = 0u});
   LeaveOutCompensation(scene);
@@ -202,7 +202,7 @@ TEST(MaterialChanges, LeaveFacetsWithoutTheirCompensation) {
   EXPECT_EQ(scene.materials[4].bsdf, BsdfKind::kConductor) << "its widths are those of an image";
 }
 
-TEST(MaterialChanges, ThatMakeNoSenseAreRefused) {
+TEST(MaterialChanges, InvalidChangesAreRefused) {
   const std::pair<const char*, const char*> cases[] = {
       {"pant=lambert", "no material 'pant'; it has paint, "},
       {"paint=lambrt", "there is no 'lambrt'; there are lambert, "},
@@ -228,7 +228,7 @@ TEST(MaterialChanges, ThatMakeNoSenseAreRefused) {
   }
 }
 
-TEST(MaterialChanges, TakeEveryValueOfARangeAndNoOther) {
+TEST(MaterialChanges, ValuesOutOfRangeAreRefused) {
   Scene scene = Painted();
   ChangeMaterials({"paint=coated-diffuse:coat_asymmetry=-0.5,normal_scale=-2"}, scene);
   EXPECT_EQ(scene.materials[0].coat_asymmetry, -0.5f);

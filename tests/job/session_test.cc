@@ -81,7 +81,7 @@ class Session : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Session, GoesOnFromNoCheckpointOfSomethingElse) {
+TEST_F(Session, RefusesACheckpointOfAnotherPicture) {
   Interrupt(Request(), {});
   const FilmInFile saved = ReadFilm(path());
   ASSERT_FALSE(saved.file.state.rows.empty());
@@ -125,7 +125,7 @@ TEST_F(Session, GoesOnFromNoCheckpointOfSomethingElse) {
   EXPECT_EQ(Rendered(Request(), Resuming()).part.samples, (SampleRange{0, kSamples}));
 }
 
-TEST_F(Session, IsStoppedByTellAndFinishedByAnotherToTheSameBytes) {
+TEST_F(Session, AStoppedSessionIsFinishedByAnotherToTheSameBytes) {
   const RenderJob job = JobOf(Request());
   const PictureIdentity identity = IdentityOf(job);
   const RenderedFilm whole = RunSession(job, identity, {});
@@ -154,7 +154,7 @@ TEST_F(Session, IsStoppedByTellAndFinishedByAnotherToTheSameBytes) {
   EXPECT_TRUE(std::filesystem::exists(path())) << "it is the caller's to remove";
 }
 
-TEST_F(Session, GoesOnFromACheckpointOfAllThereIs) {
+TEST_F(Session, ResumesACompleteCheckpoint) {
   // A step of path has 20 tiles; each of the six of vcm has 6.
   for (const auto& [integrator, all] :
        {std::pair(Integrator::kPath, 20), std::pair(Integrator::kVcm, 36)}) {
@@ -200,7 +200,7 @@ TEST_F(Session, KeepsCheckpointsAndShowsSnapshotsMeanwhile) {
   EXPECT_TRUE(rendered.film.PackPicture() == Rendered(Request(), {}).film.PackPicture());
 }
 
-TEST_F(Session, GoesOnWhenACheckpointOnTheWayCannotBeWritten) {
+TEST_F(Session, ContinuesWhenACheckpointCannotBeWritten) {
   SessionRequest session = {
       .checkpoint = {.path = folder_.Path("missing/a.checkpoint"), .seconds = 0.001}};
   session.tell = [](double) { return true; };
@@ -214,7 +214,7 @@ TEST_F(Session, GoesOnWhenACheckpointOnTheWayCannotBeWritten) {
   EXPECT_THROW(Rendered(Request(), session), InputError);
 }
 
-TEST_F(Session, AnErrorIsToldWhetherOrNotACheckpointCanBeWritten) {
+TEST_F(Session, AnErrorIsReportedEvenIfNoCheckpointCanBeWritten) {
   SessionRequest session = {.checkpoint = {.path = folder_.Path("missing/a.checkpoint")}};
   session.on_tile = [](const Film&, const Tile&, const SampleCounts&) {
     throw std::logic_error("enough");
@@ -248,7 +248,7 @@ TEST_F(Session, EndsByTimeWithSamplesThatACommandRepeats) {
   EXPECT_TRUE(RunSession(job, identity, again).film.PackPicture() == rendered.film.PackPicture());
 }
 
-TEST_F(Session, EndsByNoiseAfterTheSameSamplesWhoeverRenders) {
+TEST_F(Session, EndsByNoiseAfterTheSameSamplesForAllThreads) {
   JobRequest request = Request();
   request.samples_per_pixel = 500;
   const auto film_of = [&](std::uint32_t samples) {
@@ -278,7 +278,7 @@ TEST_F(Session, EndsByNoiseAfterTheSameSamplesWhoeverRenders) {
 }
 
 // Rows of 600 pixels are longer than pages of memory.
-TEST_F(Session, ForgetsTheFilmOfRowsThatHaveBeenResolved) {
+TEST_F(Session, FreesTheFilmOfResolvedRows) {
   JobRequest request = SmallRequest(601, 61, 8);
   request.max_depth = 1;
   request.options.aovs = AllAovs();
@@ -402,7 +402,7 @@ TEST(Limits, StepsFollowNoiseAndTime) {
   EXPECT_EQ(adaptively(740), 1100u) << "all samples";
 }
 
-TEST(Limits, ThatMakeNoSenseAreRefused) {
+TEST(Limits, InvalidLimitsAreRefused) {
   EXPECT_EQ(SampleRanges().parse("3:9"), (SampleRange{3, 9}));
   for (const char* const text :
        {"", "4", ":", "1:", ":4", "3:3", "4:2", "-1:2", "0:4x", " 0:4", "0:4294967296", "0:1:2"}) {

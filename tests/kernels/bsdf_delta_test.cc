@@ -177,7 +177,7 @@ TEST(Mirror, BentNormalsKeepTheReflectionAbove) {
   }
 }
 
-TEST(Bsdfs, DeltaOnesStandBehindTheOthers) {
+TEST(Bsdfs, DeltaBsdfsComeAfterTheOthers) {
   const auto table = Bsdfs();
   for (std::uint32_t k = 0; k < kBsdfKinds; ++k) {
     EXPECT_EQ(table[k].delta, k >= kFirstDeltaBsdf) << table[k].name;

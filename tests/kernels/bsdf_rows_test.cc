@@ -171,7 +171,7 @@ TEST_P(DenseBsdfRows, LightSamplesAreWeighted) {
   }
 }
 
-TEST_P(DenseBsdfRows, RowsBehindASliceAreLeftAlone) {
+TEST_P(DenseBsdfRows, RowsAfterASliceAreLeftAlone) {
   const auto full = CopyOfLights();
   rows_.kernels.evaluate_lights(rows_.surfaces, rows_.materials(), kFullWave, {}, full);
   ForEachTarget([&] {

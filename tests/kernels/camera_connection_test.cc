@@ -62,7 +62,7 @@ class CameraConnections : public testing::TestWithParam<std::size_t> {
   CameraView view_;
 };
 
-TEST_P(CameraConnections, GoBackAlongCameraRays) {
+TEST_P(CameraConnections, RetraceCameraRays) {
   constexpr std::uint32_t n = kFullWave;
   soa::Table<PathColumns> paths(n);
   const auto film = RandomUniforms(n, 301);

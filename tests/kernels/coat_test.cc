@@ -226,7 +226,7 @@ TEST(ColouredCoats, ReflectWhatTheirLayersReflect) {
 }
 
 // Materials share a table only if all agrees on which it depends.
-TEST(CoatKeys, TellAllThatTablesDependOn) {
+TEST(CoatKeys, DifferInAllThatTablesDependOn) {
   const auto expect_changes = [](const Material& material, auto change, const char* what) {
     Material other = material;
     change(other);
@@ -265,7 +265,7 @@ TEST(CoatKeys, TellAllThatTablesDependOn) {
   EXPECT_EQ(CoatKeyOf(darker), CoatKeyOf(body));
 }
 
-TEST(MistyCoats, MayScatterStraightOn) {
+TEST(MistyCoats, ScatterStraightOnOrStraightBack) {
   const MaterialCase clear = CaseOf("clear", Body(0.5f));
   const MaterialCase forward = CaseOf("forward", Misty(Body(0.5f), 0.3f, 1, 1));
   for (const double cosine : {0.9, 0.5}) {

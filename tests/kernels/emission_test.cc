@@ -244,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(All, LightRays, testing::Range(0u, 5u),
 
 // With all lights together, each is selected as often as the choice demands, and the rest is left
 // to the environment.
-TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
+TEST(LightRaysOfAll, ArePickedWithTheReportedProbability) {
   const std::vector<LocalLight> lights = Lights();
   const std::uint32_t first[] = {0,
                                  kChoiceUnits / 16,

@@ -121,7 +121,7 @@ TEST_P(Flux, OnBentNormalsHasVeachsFactor) {
 }
 
 // The value that connections use must be the one that scattering divides by its density.
-TEST_P(Flux, OfConnectionsIsThatOfScattering) {
+TEST_P(Flux, ConnectionsAndScatteringAgree) {
   if (rows_.kernels.delta) GTEST_SKIP();
   Bend(0.4);
   std::uint32_t n = 0;

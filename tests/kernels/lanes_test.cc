@@ -68,7 +68,7 @@ TEST(Lanes, AreThoseOfTheQueues) {
   ExpectLanes(Of(lanes, Kernel::kScatter, last), 9, 16, 16);
 }
 
-TEST(Lanes, NamesAreThereAndDiffer) {
+TEST(Lanes, NamesAreUniqueAndNotEmpty) {
   std::set<std::string> names;
   for (std::uint32_t i = 0; i < kKernels; ++i) names.insert(ToString(Kernel(i)));
   EXPECT_EQ(names.size(), kKernels);

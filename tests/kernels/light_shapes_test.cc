@@ -96,7 +96,7 @@ std::vector<Vec> RandomDirections(std::uint32_t n, std::uint32_t seed) {
   return directions;
 }
 
-TEST_P(ShapedLight, SamplesAreTheOracles) {
+TEST_P(ShapedLight, SamplesMatchTheOracle) {
   ForEachTarget([&] {
     const std::vector<Vec> directions = RandomDirections(2048, 31);
     const auto surfaces = SurfacesAround(light(), directions);
@@ -132,7 +132,7 @@ Rays Emit(const LocalLightView& view, std::uint32_t seed) {
   return out;
 }
 
-TEST_P(ShapedLight, RaysCarryWhatTheOracleSendsThere) {
+TEST_P(ShapedLight, RaysCarryTheOraclesEmission) {
   ForEachTarget([&] {
     const Rays out = Emit(view_, 41);
     for (std::uint32_t i = 0; i < kSamples; ++i) {

@@ -143,7 +143,7 @@ TEST(LocalLightTables, DimLightsAmongManyAreStillPicked) {
   }
 }
 
-TEST(LocalLightTables, AScenesWithoutThemHasNone) {
+TEST(LocalLightTables, ASceneWithoutLocalLightsHasNoTable) {
   Scene scene;
   Place(scene, Quad(1), AddLambert(scene, "dark", glm::vec3(0.5f)), glm::vec3(0));
   EXPECT_FALSE(HasLocalLights(scene));
@@ -229,7 +229,7 @@ TEST_F(LocalLightKernels, UniformsAtTheEndsOfALightPickIt) {
   });
 }
 
-TEST_F(LocalLightKernels, SamplesAreTheReferences) {
+TEST_F(LocalLightKernels, SamplesMatchTheReference) {
   constexpr double kSamples = 3;
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {

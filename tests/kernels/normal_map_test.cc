@@ -225,7 +225,7 @@ TEST(NormalMaps, NormalsNeverLookAwayFromTheEye) {
   }
 }
 
-TEST(NormalMaps, RowsWithoutOneAndBitsOfTargetsStay) {
+TEST(NormalMaps, RowsWithoutAMapStayAndBitsDoNotDependOnTarget) {
   const Scene scene = ScreensScene();
   const Geometry geometry(scene, "test");
   const auto bend = [&](std::uint32_t n, bool maps) {

@@ -189,7 +189,7 @@ TEST(Mixtures, MayHaveTheShareOfATexture) {
   });
 }
 
-TEST_F(Partition, EscapesOnly) {
+TEST_F(Partition, MissesAloneAreClassified) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       const auto rows = RowsOf(kMissQueue, n, false);

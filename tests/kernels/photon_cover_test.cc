@@ -133,7 +133,7 @@ TEST(PhotonCover, RejectsIncompleteDisks) {
 }
 
 // Only the visible layer counts, not everything behind it; a smoothly curved surface is one layer.
-TEST(PhotonCover, LeavesOutWhatIsBehindTheSeenLayer) {
+TEST(PhotonCover, LeavesOutPhotonsBehindTheSeenLayer) {
   for (const std::int64_t target : TestedTargets()) {
     const TargetScope scope(target);
     const PhotonDisk disk = TiltedDisk();

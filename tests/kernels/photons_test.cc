@@ -33,7 +33,7 @@ std::vector<std::uint32_t> Neighbors(std::uint32_t n, unsigned seed) {
   return rows;
 }
 
-TEST(Photons, AreThoseOfTheirRows) {
+TEST(Photons, LoadedPhotonsMatchTheirRows) {
   const soa::Table<PhotonColumns> photons(kPhotons);
   for (std::uint32_t i = 0; i < kPhotons; ++i) {
     photons->r[i] = float(i + 1), photons->g[i] = float(2 * i), photons->b[i] = 3;

@@ -255,7 +255,7 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
 
 // Rows after the last one may hold leftovers of other stages, which are not valid positions on an
 // image.
-TEST_F(TextureRows, PlacesBehindTheLastRowAreNotLookedUp) {
+TEST_F(TextureRows, RowsAfterTheLastAreNotLookedUp) {
   constexpr std::uint32_t kRows = 3;
   const SurfaceColumns& s = surfaces_;
   for (std::uint32_t i = 0; i < kFullWave; ++i) s.material[i] = 1;
@@ -357,7 +357,7 @@ TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
   }
 }
 
-TEST(TextureTables, WhatDoesNotExistIsRefused) {
+TEST(TextureTables, MissingImagesAndBadTransformsAreRefused) {
   Scene scene;
   Place(scene, Quad(1), AddLambert(scene, "floor", glm::vec3(1)), glm::vec3(0));
   scene.materials[0].color_texture = 0;

@@ -77,7 +77,7 @@ class ControlOfBsdf : public testing::TestWithParam<std::uint32_t> {};
 // Light samples and scattered rays subtract the control under multiple importance sampling; the
 // first light sample adds its integral. In the mean nothing is left, on either side of a surface
 // that transmits and where the shading normal is not that of the triangle.
-TEST_P(ControlOfBsdf, IsSubtractedAsOftenAsItIsAdded) {
+TEST_P(ControlOfBsdf, AddedAndSubtractedPartsCancelOnAverage) {
   constexpr std::uint32_t kSamples = 200000;
   const MaterialCase& material = ExampleOf(BsdfKind(GetParam()));
   const double level = SidakLevel(kFirstDeltaBsdf * 6);

@@ -211,7 +211,7 @@ TEST(EnvironmentPacking, StaysNearTheMap) {
 }
 
 // A sun passes its remainder to its neighbour and takes nothing from other texels.
-TEST(EnvironmentPacking, CastsNoDarkness) {
+TEST(EnvironmentPacking, DarkensNoNeighbour) {
   for (const NamedMap& named : AdversarialMaps()) {
     const Image held = HeldMap({named.latlong, kUpright});
     const double brightest = *std::max_element(named.latlong.rgb.begin(), named.latlong.rgb.end());
@@ -282,7 +282,7 @@ TEST(EnvironmentMap, MeanIsWeightedBySolidAngle) {
   }
 }
 
-TEST(EnvironmentMap, ShapeTellsTheProjection) {
+TEST(EnvironmentMap, ProjectionFollowsFromTheShape) {
   EXPECT_EQ(DetectProjection(Image(64, 32), "map"), Projection::kLatLong);
   EXPECT_EQ(DetectProjection(Image(2, 1), "map"), Projection::kLatLong);
   EXPECT_EQ(DetectProjection(Image(64, 64), "map"), Projection::kAngular);

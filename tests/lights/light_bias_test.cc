@@ -94,7 +94,7 @@ TEST(LightBias, TheNumberChosenIsGoodEnoughAndHalfOfItIsNot) {
   }
 }
 
-TEST(LightBias, AMapOfLightsIsItsOwn) {
+TEST(LightBias, ALightForEachTexelHasNoBias) {
   // A light for each texel, where its light has its centroid.
   const Image image = test::NoiseMap(256, 128, 3);
   const SphereMap map = MakeSphereMap(image);

@@ -278,7 +278,7 @@ TEST(Portals, SurfacesThatSeeNoneDrawByImportance) {
 }
 
 // Points in the plane of a portal, on its rim, and so close that they see half of everything.
-TEST(Portals, NothingBreaksNearAPortal) {
+TEST(Portals, SamplesNearAPortalAreFinite) {
   const Portal portal = {.corner = {-1, -1, 1}, .side_x = {2, 0, 0}, .side_y = {0, 2, 0}};
   for (const double share : {0.0, 0.125}) {
     Fixture f("Sun", {portal, portal}, share);

@@ -393,7 +393,7 @@ TEST(Resample, ASunStaysInPlace) {
   }
 }
 
-TEST(Resample, TheSameIsACopy) {
+TEST(Resample, TheSameProjectionAndSizeGiveACopy) {
   const Image image = test::NoiseMap(31, 17, 3);
   EXPECT_EQ(Resample(image, Projection::kLatLong, Projection::kLatLong, 31, 17).rgb, image.rgb);
 }

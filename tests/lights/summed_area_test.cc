@@ -81,7 +81,7 @@ TEST(SphereMap, UvAndDirectionAreInverse) {
   EXPECT_NEAR(DirectionOfUv(0.3, 0).z, 1, 1e-15);
 }
 
-TEST(SphereMap, RefusesWhatIsNoRadiance) {
+TEST(SphereMap, RefusesNanInfiniteAndNegativeRadiance) {
   for (float bad :
        {std::numeric_limits<float>::quiet_NaN(), -1e-6f, std::numeric_limits<float>::infinity()}) {
     Image image = test::ConstantMap(4, 2, 1);

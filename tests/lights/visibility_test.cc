@@ -84,7 +84,7 @@ TEST(Visibility, TheOrderOfRaysDoesNotMatter) {
   }
 }
 
-TEST(Visibility, ThePlacesBoundTheMemory) {
+TEST(Visibility, TheNumberOfPlacesBoundsTheMemory) {
   for (const int places : {16, 64, 1000}) {
     const VisibilityStrategy strategy(NoiseMap(), {.cells = 64, .places = places});
     auto rays = RaysFromSphere(strategy, 400000, [](Vec p, Vec to) { return to.x * p.y > 0.2; });

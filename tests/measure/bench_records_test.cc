@@ -121,7 +121,7 @@ std::string Failure(const std::vector<BenchRecord>& records) {
   return "";
 }
 
-TEST(BenchCompare, FindsWhatIsSlowerAndNothingElse) {
+TEST(BenchCompare, FindsOnlyWhatIsSlower) {
   const Values base = {1.00, 1.02, 0.99, 1.01}, slow = {1.20, 1.22, 1.21, 1.19};
   const auto compared = [&](const Values& other) {
     const std::vector<BenchRecord> records = {Record("a", {base, base}),
@@ -146,7 +146,7 @@ TEST(BenchCompare, FindsWhatIsSlowerAndNothingElse) {
 }
 
 // The runs of each pair were slow or fast together, by a factor of two; B takes 1.1 times as long.
-TEST(BenchCompare, PairsTakeOutWhatBothRunsShare) {
+TEST(BenchCompare, PairsCancelWhatBothRunsShare) {
   std::vector<BenchRecord> records;
   for (const double machine : {1.0, 2.0, 1.4, 1.1}) {
     records.push_back(Record("a", {{machine, machine * 1.01}}));
@@ -162,7 +162,7 @@ TEST(BenchCompare, PairsTakeOutWhatBothRunsShare) {
   EXPECT_FALSE(CompareRecords(unpaired).ratios[0].slower(0.05));
 }
 
-TEST(BenchCompare, OtherWorkIsRefusedAndOtherMachinesAreTold) {
+TEST(BenchCompare, OtherWorkIsRefusedAndOtherMachinesAreReported) {
   const BenchRecord a = Record("a.json", {{1, 1.1}});
   BenchRecord b = a;
   b.file = "b.json";
@@ -444,7 +444,7 @@ TEST(BaselineGates, EachFailsByItselfWithItsExitCode) {
   EXPECT_EQ(Judged(now), 2);
 }
 
-TEST(BaselineGates, WhatCannotBeComparedIsSkippedAndSaysWhy) {
+TEST(BaselineGates, GatesThatCannotCompareAreSkippedWithAReason) {
   Baseline now = SomeBaseline();
   for (double& seconds : now.seconds) seconds *= 2;
   now.machine[0].second = "6502";
@@ -463,7 +463,7 @@ TEST(BaselineGates, WhatCannotBeComparedIsSkippedAndSaysWhy) {
   }
 }
 
-TEST(BaselineGates, AFileKeepsEverything) {
+TEST(BaselineGates, WritingAndReadingAFileKeepsEverything) {
   const TemporaryFolder folder;
   const std::string path = folder.Write("b.json", skywave::Json(SomeBaseline()).dump());
   EXPECT_EQ(nlohmann::json(skywave::Json(ReadBaseline(path))),
@@ -483,7 +483,7 @@ std::string ReadFailure(const std::string& text, bool baseline = false) {
   return "";
 }
 
-TEST(BenchRecords, BadFilesAreToldWithTheirPlace) {
+TEST(BenchRecords, BadFilesAreReportedWithTheirPlace) {
   const Json good = {{"schema", kSceneSchema},   {"version", "1"},
                      {"command", "c"},           {"threads", 2},
                      {"render_seconds", {1, 2}}, {"rays", {{"camera", {{"count", 5}}}}}};

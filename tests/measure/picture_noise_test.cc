@@ -59,7 +59,7 @@ TEST(PictureNoise, OfPicturesThatDifferByNoiseAlone) {
   }
 }
 
-TEST(PictureNoise, OneExactPicture) {
+TEST(PictureNoise, ComparesWithAnExactPicture) {
   const Rendered a = Render(8, 0.5, 3);
   Image exact(kWidth, kHeight);
   for (float& value : exact.rgb) value = 0.5f;

@@ -30,7 +30,7 @@ LogPlot TwoCurves() {
   return plot;
 }
 
-TEST(XmlChecker, SeesWhatIsNotWellFormed) {
+TEST(XmlChecker, FindsMalformedXml) {
   EXPECT_TRUE(IsWellFormedXml("<a b=\"c&lt;\"><d/>text</a>\n"));
   for (const char* const bad :
        {"<a><b></a>", "<a b=c></a>", "<a>x & y</a>", "<a b=\"<\"></a>", "<a/><a/>", "<a", "text",
@@ -86,7 +86,7 @@ TEST(Svg, PlacesPointsOnLogarithmicAxes) {
   for (double x : xs) EXPECT_TRUE(x > 0 && x < 900) << x;
 }
 
-TEST(Svg, LeavesOutWhatHasNoPlaceOnLogarithmicAxes) {
+TEST(Svg, LeavesOutValuesWithoutALogarithm) {
   LogPlot plot = TwoCurves();
   const std::string before = Svg(std::vector<LogPlot>{plot});
   for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {

@@ -93,7 +93,7 @@ TEST(ProgressText, BarIsALine) {
   EXPECT_EQ(BarText({}), "[....................]   0 %  estimating");
 }
 
-TEST(ProgressText, PlainSaysAll) {
+TEST(ProgressText, PlainTextHasEveryFigure) {
   EXPECT_EQ(PlainText(ThirdOfTwenty()),
             "12 % rendered, 2:55 left; 3 of 20: 50 %, 5 s left, 0.20 Msamples/s: grace_0003.exr\n");
 }
@@ -136,7 +136,7 @@ TEST(ProgressText, OpenJobDescriptionReadsItsLines) {
   EXPECT_EQ(OpenJdFailure("a.pbrt:3: no\nshape"), "openjd_fail: a.pbrt:3: no shape\n");
 }
 
-TEST(ProgressText, ForAllFormsTheEndIsTheEnd) {
+TEST(ProgressText, EveryFormShowsTheEnd) {
   const ProgressState end = {.pictures_done = 20, .pictures = 20};
   EXPECT_EQ(OpenJdText(end), "openjd_progress: 100.0\nopenjd_status: 20 of 20, 0 s left\n");
   EXPECT_EQ(nlohmann::json::parse(JsonText(end)).at("share"), 1);

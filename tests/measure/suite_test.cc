@@ -32,7 +32,7 @@ Fingerprint Render(const SuiteScene& scene, JobRequest base) {
   return FingerprintOf(film, scene.samples_per_pixel);
 }
 
-TEST(Fingerprint, IsThatOfThePictureAlone) {
+TEST(Fingerprint, DependsOnThePictureAlone) {
   JobRequest other = OnThreads(3);
   other.options.wave = 17, other.options.backend = Backend::kSingle;
   const Fingerprint a = Render(kTiny, OnThreads(1)), b = Render(kTiny, other);
@@ -127,7 +127,7 @@ TEST(Speed, RaysOfAKindAreThoseOfTheRenderWhileTracingAndRaw) {
   EXPECT_EQ(Speed().raw_mrays_per_second(RayKind::kCamera), 0);
 }
 
-TEST(Summarize, TakesGeometricMeansOfWhatEverySceneHas) {
+TEST(Summarize, TakesGeometricMeansOverScenes) {
   std::vector<SuiteResult> results = {Result(0.5), Result(2)};
   EXPECT_NEAR(Summarize(results).msamples_per_s, 2, 1e-12);  // geometric mean of 4 and 1
   EXPECT_NEAR(Summarize(results).embree_fraction, 0.4, 1e-12);
@@ -165,7 +165,7 @@ TEST(MeasureSpeed, KeepsEveryRepetition) {
 }
 
 // Lanes and rows in use come before those that there are.
-TEST(Counters, TellThePartBeforeTheWhole) {
+TEST(Counters, PrintUsedBeforeAvailable) {
   RenderStats stats;
   stats.samples = 12, stats.waves = 2;
   stats.rays = {12, 7, 5};
@@ -198,7 +198,7 @@ TEST(Counters, TellThePartBeforeTheWhole) {
   EXPECT_EQ(counters, expected);
 }
 
-TEST(ScalingThreads, DoublesUpToAllOfThem) {
+TEST(ScalingThreads, DoubleUpToAll) {
   EXPECT_EQ(ScalingThreads(1), (std::vector<int>{1}));
   EXPECT_EQ(ScalingThreads(2), (std::vector<int>{1, 2}));
   EXPECT_EQ(ScalingThreads(6), (std::vector<int>{1, 2, 4, 6}));

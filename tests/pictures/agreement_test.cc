@@ -82,7 +82,7 @@ double MeanOf(const PictureEstimate& picture) {
 
 class Agreement : public testing::TestWithParam<Row> {};
 
-TEST_P(Agreement, OfAllIntegrators) {
+TEST_P(Agreement, AllIntegratorsMakeTheSamePicture) {
   const Row& row = GetParam();
   const Scene scene = MattRoom(Of(row.bsdf, row.alpha), row.lights);
   const PictureEstimate paths = Estimate(scene, Request(row, Integrator::kPath, 96), kRuns);

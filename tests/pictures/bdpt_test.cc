@@ -31,7 +31,7 @@ JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
 }
 
 // The oracle follows paths from the camera by code of its own.
-TEST(Bdpt, PicturesAreThoseOfTheOracle) {
+TEST(Bdpt, PicturesMatchTheOracle) {
   for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kConductor, BsdfKind::kDielectric}) {
     const Scene scene = MattRoom(Of(kind), kEnvironment | kLamp);
     const RenderJob bdpt(scene, Request(Integrator::kBdpt, 4));
@@ -53,7 +53,7 @@ TEST(Bdpt, CaveIsAsBrightAsItsSeries) {
 }
 
 // Light paths start by other strategies than the default, and by directional lights.
-TEST(Bdpt, OtherStrategiesAreThoseOfPaths) {
+TEST(Bdpt, OtherStrategiesMatchPathTracing) {
   for (const char* const strategy :
        {"alias", "uniform", "presampled", "median-cut:pick=power", "hybrid:pick=power"}) {
     JobRequest request = Request(Integrator::kBdpt, 4);
@@ -66,7 +66,7 @@ TEST(Bdpt, OtherStrategiesAreThoseOfPaths) {
 
 class BdptLights : public testing::TestWithParam<int> {};
 
-TEST_P(BdptLights, PicturesAreThoseOfPaths) {
+TEST_P(BdptLights, PicturesMatchPathTracing) {
   EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()),
                           Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
@@ -83,7 +83,7 @@ struct BsdfCase {
 void PrintTo(const BsdfCase& test, std::ostream* out) { *out << Bsdfs()[int(test.kind)].name; }
 class BdptBsdfs : public testing::TestWithParam<BsdfCase> {};
 
-TEST_P(BdptBsdfs, PicturesAreThoseOfPaths) {
+TEST_P(BdptBsdfs, PicturesMatchPathTracing) {
   const BsdfCase& test = GetParam();
   EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kEnvironment | kLamp),
                           Request(Integrator::kBdpt, 5), kRuns, kLevel));
@@ -103,14 +103,14 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 // Where light paths pass through glass of two widths, its tangent is seen from behind.
-TEST(Bdpt, GlassOfTwoWidthsIsThatOfPaths) {
+TEST(Bdpt, GlassOfTwoWidthsMatchesPathTracing) {
   Material glass = Of(BsdfKind::kRoughDielectric, 0.4f);
   glass.alpha_across = 0.1f;
   EXPECT_TRUE(SameAsPaths(MattRoom(glass, kEnvironment | kLamp), Request(Integrator::kBdpt, 5),
                           kRuns, kLevel));
 }
 
-TEST(Bdpt, EveryDepthIsThatOfPaths) {
+TEST(Bdpt, EveryDepthMatchesPathTracing) {
   const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp | kPoint);
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {
     SCOPED_TRACE(depth);
@@ -119,7 +119,7 @@ TEST(Bdpt, EveryDepthIsThatOfPaths) {
 }
 
 // Tests lenses and every kind of camera.
-TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
+TEST(Bdpt, EveryCameraMatchesPathTracing) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLamp);
   for (const CameraKind kind : kCameraKinds) {
     for (const float lens : {0.0f, 0.3f}) {
@@ -134,7 +134,7 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
 }
 
 // Some surfaces, among them a lamp, let rays pass by chance.
-TEST(Bdpt, SurfacesWithAlphaAreThoseOfPaths) {
+TEST(Bdpt, SurfacesWithAlphaMatchPathTracing) {
   Material veil = Of(BsdfKind::kLambert);
   veil.opacity = 0.4f;
   Scene scene = MattRoom(veil, kEnvironment | kLamp | kPoint);
@@ -215,7 +215,7 @@ TEST(Bdpt, WeightedTechniquesAddUpToThePicture) {
   for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(sum[i], picture[i], 1e-4 * picture[i]);
 }
 
-TEST(Bdpt, WhatItCannotDoIsRefused) {
+TEST(Bdpt, UnsupportedOptionsAreRefused) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
   const auto refused = [&](auto change) {
     JobRequest request = Request(Integrator::kBdpt, 3);

@@ -152,7 +152,7 @@ double ExactMean() {
   return kAlbedo / kPi * (area - kPi + power) / area;
 }
 
-TEST(Caustics, OfASunAreAsBrightAsRayOpticsHasThem) {
+TEST(Caustics, TheCausticOfASunMatchesRayOptics) {
   const PictureEstimate picture = Reference(CausticScene(Source::kSun, false));
   for (std::size_t c = 0; c < 3; ++c) {
     EXPECT_NEAR(MeanOf(picture, c) / (3 - double(c)) / ExactMean(), 1, 0.004) << "channel " << c;

@@ -144,7 +144,7 @@ TEST(Control, PartsOfTheSamplesAddUpToTheWhole) {
   EXPECT_EQ(unpacked.Resolve(16).rgb, whole.Resolve(16).rgb);
 }
 
-TEST(Control, IsRefusedWhereItCannotBe) {
+TEST(Control, UnsupportedCombinationsAreRefused) {
   const auto refused = [](const JobRequest& request) {
     EXPECT_THROW(RenderJob(SphereOnGround(false), request), InputError) << request.strategy;
   };

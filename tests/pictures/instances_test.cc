@@ -119,7 +119,7 @@ Layers Render(
 }
 
 // Few pixels may differ: those of edges, where rounding decides what is hit.
-TEST(Instances, LookAsTheirCopies) {
+TEST(Instances, LookLikeTheirCopies) {
   const Scene copied = Resolved(Figures(), InstanceUse::kCopy);
   const Scene shared = Resolved(Figures(), InstanceUse::kShare);
   ASSERT_TRUE(copied.instances.empty());
@@ -137,7 +137,7 @@ TEST(Instances, LookAsTheirCopies) {
   }
 }
 
-TEST(Instances, ReflectAsTheirCopies) {
+TEST(Instances, ReflectLikeTheirCopies) {
   const Layers a = Render(Resolved(Figures(), InstanceUse::kCopy), 64);
   const Layers b = Render(Resolved(Figures(), InstanceUse::kShare), 64);
   constexpr int kBlock = 8;
@@ -181,7 +181,7 @@ TEST(Instances, GatherThePhotonsOfTheirCopies) {
 }
 
 // The long highlight of a brushed plate and the slope of a relief turn with the instance.
-TEST(Instances, TurnTheirHighlightsAndReliefs) {
+TEST(Instances, RotateTheirHighlightsAndReliefs) {
   for (const bool brushed : {true, false}) {
     Scene scene;
     scene.images = {Plain(NormalColor({0.6f, 0.1f, 1}))};

@@ -75,7 +75,7 @@ IrradianceRecord UnderTheCeiling(const glm::dvec3& point, const glm::dvec3& norm
 }
 
 // Gradients of a record are the changes of its irradiance, by differences of records.
-TEST(IrradianceGradients, AreThoseOfIrradiance) {
+TEST(IrradianceGradients, MatchDifferencesOfRecords) {
   const glm::dvec3 point(0.1, -0.2, 0.3), normal = glm::normalize(glm::dvec3(0.3, -0.2, 1));
   const IrradianceRecord record = UnderTheCeiling(point, normal);
   const Axes axes = AxesAround(record.normal);
@@ -102,7 +102,7 @@ TEST(IrradianceGradients, AreThoseOfIrradiance) {
 }
 
 // Under a constant sky irradiance is pi times its radiance, and nothing changes it.
-TEST(IrradianceGradients, VanishWhereLightIsTheSame) {
+TEST(IrradianceGradients, VanishInConstantLight) {
   const HemisphereGrid grid = GridOf(300);
   const Axes axes = AxesAround({0.6f, 0, -0.8f});
   const std::vector<HemisphereSample> samples(grid.count(), {.radiance = {1, 2, 3}, .distance = 2});
@@ -247,7 +247,7 @@ TEST(IrradianceCache, CaveIsAsBrightAsItsSeries) {
   }
 }
 
-TEST(IrradianceCache, ShowsThePictureOfPathsWithinItsBias) {
+TEST(IrradianceCache, MatchesPathTracingWithinItsBias) {
   for (const BsdfKind bsdf : {BsdfKind::kLambert, BsdfKind::kMirror, BsdfKind::kConductor}) {
     const Scene scene = MattRoom(Of(bsdf), kLamp | kEnvironment);
     JobRequest request = Request(30, 18, 64);
@@ -289,7 +289,7 @@ TEST(IrradianceCache, BentNormalsSeeNothingBelowTheirTriangle) {
 
 // As far as a record counts, its gradient changes the irradiance by the accuracy's share at most,
 // also where the record counts farther than its surroundings suggest because pixels are large.
-TEST(IrradianceCache, GradientsChangeWhatARecordSaysByLittle) {
+TEST(IrradianceCache, GradientsChangeARecordOnlySlightly) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kLamp | kEnvironment);
   JobRequest request = Request(24, 18, 4);
   request.options.irradiance_cache = {.accuracy = 0.2f, .rays = 64};
@@ -336,7 +336,7 @@ TEST(IrradianceCache, RecordsAreIndependent) {
                          double(kAlbedo) * std::numbers::pi * form_factor, kSuiteLevel, 1e-3));
 }
 
-TEST(IrradianceCache, PartsOfAFilmAreThoseOfTheWhole) {
+TEST(IrradianceCache, PartsOfAFilmEqualTheWhole) {
   const Scene scene = MattRoom(Of(BsdfKind::kMirror), kLamp | kEnvironment);
   JobRequest request = Request(37, 29, 3);
   request.options.irradiance_cache.rays = 30;

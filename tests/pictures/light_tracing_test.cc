@@ -98,7 +98,7 @@ void ExpectSame(const Scene& scene, const JobRequest& request) {
                           Estimate(scene, request, Integrator::kPath), kLevel));
 }
 
-TEST(LightTracing, IsPathTracingUnderAMap) {
+TEST(LightTracing, MatchesPathTracingUnderAMap) {
   Scene scene = Things();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   for (const std::uint32_t depth : {1u, 2u, 6u}) {
@@ -107,7 +107,7 @@ TEST(LightTracing, IsPathTracingUnderAMap) {
   }
 }
 
-TEST(LightTracing, IsPathTracingUnderLamps) {
+TEST(LightTracing, MatchesPathTracingUnderLamps) {
   Scene scene = Things();
   AddLocalLights(scene);
   for (const std::uint32_t depth : {1u, 5u}) {
@@ -116,20 +116,20 @@ TEST(LightTracing, IsPathTracingUnderLamps) {
   }
 }
 
-TEST(LightTracing, IsPathTracingUnderShapedLights) {
+TEST(LightTracing, MatchesPathTracingUnderShapedLights) {
   Scene scene = Things();
   scene.lights = ShapedLights(scene);
   ExpectSame(scene, Request(4));
 }
 
-TEST(LightTracing, IsPathTracingUnderBoth) {
+TEST(LightTracing, MatchesPathTracingUnderMapAndLamps) {
   Scene scene = Things();
   AddLocalLights(scene);
   SetLight(scene, SkyWithSun(64, 32, 20, 0.2));
   ExpectSame(scene, Request(4));
 }
 
-TEST(LightTracing, IsPathTracingThroughALens) {
+TEST(LightTracing, MatchesPathTracingThroughALens) {
   Scene scene = Things();
   AddLocalLights(scene);
   scene.camera->lens_radius = 0.15f;
@@ -139,7 +139,7 @@ TEST(LightTracing, IsPathTracingThroughALens) {
 
 // Far out of focus and under a filter of several pixels the shape of a spot tells whether the point
 // of the lens and the pixel are chosen independently.
-TEST(LightTracing, IsPathTracingOutOfFocusUnderAWideFilter) {
+TEST(LightTracing, MatchesPathTracingOutOfFocusUnderAWideFilter) {
   Scene scene;
   Place(scene, Quad(0.25f), AddLambert(scene, "spot", glm::vec3(0.9f)), {0.1f, 0, -0.1f});
   AddLamp(scene, 0.6f, {0.8f, 1.5f, 0.6f}, {8, 7, 6});
@@ -152,7 +152,7 @@ TEST(LightTracing, IsPathTracingOutOfFocusUnderAWideFilter) {
   ExpectSame(scene, request);
 }
 
-TEST(LightTracing, IsPathTracingInEveryCameraAndPartOfAFilm) {
+TEST(LightTracing, MatchesPathTracingInEveryCameraAndPartOfAFilm) {
   Scene scene = Things();
   AddLamp(scene, 1.2f, {0.5f, 3, 0.5f}, {6, 5, 4});
   SetConstantLight(scene, 0.3f);
@@ -169,7 +169,7 @@ TEST(LightTracing, IsPathTracingInEveryCameraAndPartOfAFilm) {
 }
 
 // Glass focuses light on the floor; the ball itself is outside the picture.
-TEST(LightTracing, IsPathTracingUnderGlass) {
+TEST(LightTracing, MatchesPathTracingUnderGlass) {
   Scene scene;
   Place(scene, Quad(4), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
   Place(scene, Facetted(Sphere(0.7f, 12)), AddGlass(scene, 1.5f), {0, 1.6f, 0});
@@ -186,7 +186,7 @@ TEST(LightTracing, IsPathTracingUnderGlass) {
 
 // Light paths start in texels of the map, so camera paths that reach it over mirrors and glass have
 // to see texels, too. All the light of the floor comes through panes.
-TEST(LightTracing, IsPathTracingUnderACoarseMapBehindGlass) {
+TEST(LightTracing, MatchesPathTracingUnderACoarseMapBehindGlass) {
   Scene scene;
   Place(scene, Quad(1), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
   Place(scene, Facetted(RoundedBox(glm::vec3(1.2f), 1e-3f, 1)), AddThinPane(scene), glm::vec3(0));
@@ -220,7 +220,7 @@ TEST(LightTracing, LightBehindGlassIsNotLeftToDirectionalLights) {
 // The floor's shading normals lean by 20 degrees, and a ball hangs above it, low enough that no
 // path runs along the floor: Veach's factor matters where flux is connected and where it is
 // scattered.
-TEST(LightTracing, IsPathTracingOnBentNormals) {
+TEST(LightTracing, MatchesPathTracingOnBentNormals) {
   for (const float alpha : {0.0f, 0.4f}) {
     Scene scene;
     Mesh floor = Quad(1);
@@ -237,7 +237,7 @@ TEST(LightTracing, IsPathTracingOnBentNormals) {
 }
 
 // Directional lights replace a map; both integrators use the same directions.
-TEST(LightTracing, IsPathTracingUnderDirectionalLights) {
+TEST(LightTracing, MatchesPathTracingUnderDirectionalLights) {
   Scene scene = Things();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   for (const char* const strategy : {"median-cut:pick=power", "presampled", "hybrid:pick=power"}) {
@@ -248,7 +248,7 @@ TEST(LightTracing, IsPathTracingUnderDirectionalLights) {
   }
 }
 
-TEST(LightTracing, LooksThroughAlpha) {
+TEST(LightTracing, MatchesPathTracingThroughAlpha) {
   Scene scene = Things();
   scene.materials[1].opacity = 0.6f;
   AddLamp(scene, 1.2f, {0.5f, 3, 0.5f}, {6, 5, 4});
@@ -264,7 +264,7 @@ double ErrorOf(const PictureEstimate& picture) {
 }
 
 // A plane sees only the environment: a constant one, and a single sun.
-TEST(LightTracing, LightsAPlaneAsItShould) {
+TEST(LightTracing, APlaneHasTheExactRadiance) {
   Scene scene;
   Place(scene, Quad(2), AddLambert(scene, "plane", glm::vec3(0.8f)), glm::vec3(0));
   scene.camera = LookAtCamera({0.3f, 2, 0.5f}, {0, 0, 0}, {0, 1, 0}, 20, false);
@@ -281,7 +281,7 @@ TEST(LightTracing, LightsAPlaneAsItShould) {
 
 // The sphere is white and convex, so it vanishes in a furnace; under a sun its picture is
 // Lambert's.
-TEST(LightTracing, LightsASphereAsItShould) {
+TEST(LightTracing, AWhiteSphereVanishesInAFurnaceAndIsLambertianUnderASun) {
   Scene scene;
   Place(scene, Sphere(1, 60), AddLambert(scene, "white", glm::vec3(1)), glm::vec3(0));
   scene.camera = LookAtCamera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 30, false);
@@ -319,7 +319,7 @@ TEST(LightTracing, LightsASphereAsItShould) {
 // Light paths go on with normals that face their light, and camera paths with those that face the
 // eye, so silhouettes of coarse meshes differ by some tenths of a percent, as
 // docs/design/bidirectional.md says.
-TEST(LightTracing, NearlyIsPathTracingAtSmoothSilhouettes) {
+TEST(LightTracing, NearlyMatchesPathTracingAtSmoothSilhouettes) {
   Scene scene;
   // Most light paths of a small scene meet what the camera sees.
   Place(scene, Quad(1.1f), AddLambert(scene, "floor", glm::vec3(0.6f)), glm::vec3(0));
@@ -360,7 +360,7 @@ void ExpectRefused(const Scene& scene, const JobRequest& request, const std::str
   }
 }
 
-TEST(LightTracing, RefusesWhatCannotStartALightPath) {
+TEST(LightTracing, RefusesStrategiesThatCannotEmit) {
   Scene scene = Things();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(3);

@@ -74,7 +74,7 @@ double CornerIrradiance(double width, double depth, double height) {
   return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / 2;
 }
 
-TEST(LocalLightIrradiance, APointsFallsWithTheSquareOfItsDistance) {
+TEST(LocalLightIrradiance, APointLightFallsWithTheSquareOfTheDistance) {
   for (const float x : {0.0f, 1.5f, -4.0f}) {
     Scene scene = Floor();
     scene.lights = {{.emission = {3, 5, 7}, .position = {x, 2, 0.5f}}};
@@ -84,7 +84,7 @@ TEST(LocalLightIrradiance, APointsFallsWithTheSquareOfItsDistance) {
   }
 }
 
-TEST(LocalLightIrradiance, ASpotsIsFullInsideAndDarkOutside) {
+TEST(LocalLightIrradiance, ASpotIsFullInsideAndDarkOutside) {
   const auto expect = [](float degrees, float falloff) {
     Scene scene = Floor();
     const float angle = glm::radians(degrees);
@@ -107,7 +107,7 @@ TEST(LocalLightIrradiance, ASpotsIsFullInsideAndDarkOutside) {
 // The leaf is seen from below, and the camera is farther away than the lamp: shadow rays start
 // behind the surface, farther from the lamp than the light sample assumed, and must not hit the
 // lamp.
-TEST(LocalLightIrradiance, ALampsComesThroughALeaf) {
+TEST(LocalLightIrradiance, ALampShinesThroughALeaf) {
   Scene scene = Floor();
   Material& leaf = scene.materials[0];
   leaf.bsdf = BsdfKind::kDiffuseTransmission;
@@ -120,7 +120,7 @@ TEST(LocalLightIrradiance, ALampsComesThroughALeaf) {
   }
 }
 
-TEST(LocalLightIrradiance, ADistantOnesGoesWithTheCosine) {
+TEST(LocalLightIrradiance, ADistantLightFollowsTheCosine) {
   for (const float degrees : {0.0f, 35.0f, 80.0f, 100.0f}) {
     Scene scene = Floor();
     scene.meshes.pop_back();  // the lid would block the sun
@@ -132,7 +132,7 @@ TEST(LocalLightIrradiance, ADistantOnesGoesWithTheCosine) {
   }
 }
 
-TEST(LocalLightIrradiance, ARectanglesIsItsFormFactor) {
+TEST(LocalLightIrradiance, ARectangleMatchesItsFormFactor) {
   const glm::vec3 radiance(2, 3, 5);
   for (const bool mis : {true, false}) {
     Scene small = Floor();
@@ -149,7 +149,7 @@ TEST(LocalLightIrradiance, ARectanglesIsItsFormFactor) {
 }
 
 // The disk of 512 sides faces the floor.
-TEST(LocalLightIrradiance, ADisksIsItsFormFactor) {
+TEST(LocalLightIrradiance, ADiskMatchesItsFormFactor) {
   constexpr int kSides = 512;
   Scene scene = Floor();
   const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
@@ -167,7 +167,7 @@ TEST(LocalLightIrradiance, ADisksIsItsFormFactor) {
 }
 
 // The eye sees a lamp itself, via any BSDF sample or mirror, on its emitting side only.
-TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
+TEST(LocalLightIrradiance, TheCameraSeesTheRadianceOfALamp) {
   for (const bool upside_down : {false, true}) {
     for (const bool over_mirror : {false, true}) {
       for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
@@ -233,17 +233,17 @@ void ExpectOracles(const Scene& scene, const JobRequest& request) {
 
 class LocalLightPictures : public testing::TestWithParam<int> {};
 
-TEST_P(LocalLightPictures, DirectLightIsTheOracles) {
+TEST_P(LocalLightPictures, DirectLightMatchesTheOracle) {
   ExpectOracles(LitBalls(GetParam()), Request(Integrator::kDirect, 4));
 }
-TEST_P(LocalLightPictures, PathsAreTheOracles) {
+TEST_P(LocalLightPictures, PathsMatchTheOracle) {
   ExpectOracles(LitBalls(GetParam()), Request(Integrator::kPath, 4));
 }
 INSTANTIATE_TEST_SUITE_P(Oracle, LocalLightPictures,
                          testing::Values(kLamp, kBall, kPoint | kEnvironment, kSpot, kDistant,
                                          kShaped, kLocal, kLocal | kEnvironment));
 
-TEST(LocalLightEstimators, EveryDepthIsTheOracles) {
+TEST(LocalLightEstimators, EveryDepthMatchesTheOracle) {
   const Scene scene = LitBalls(kLamp | kPoint | kEnvironment);
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     for (const std::uint32_t depth : {0u, 1u, 2u}) {
@@ -315,7 +315,7 @@ TEST(LocalLightEstimators, LightsAddUp) {
 }
 
 // However the map is sampled, biased or not, local lights contribute the same.
-TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
+TEST(LocalLightEstimators, NoStrategyChangesLocalLights) {
   const Scene environment = MattRoom(kEnvironment), lamps = MattRoom(kLamp | kPoint),
               all = MattRoom(kEnvironment | kLamp | kPoint);
   JobRequest request = Request(Integrator::kPath, 2);
@@ -360,7 +360,7 @@ Scene PaintedLamp() {
 }
 
 // Both techniques look the texture up; if one used the mean, the pictures would differ.
-TEST(LocalLightEstimators, TexturesOfLampsAreTheOracles) {
+TEST(LocalLightEstimators, TexturesOfLampsMatchTheOracle) {
   const Scene scene = PaintedLamp();
   ExpectOracles(scene, Request(Integrator::kDirect, 3));
   JobRequest request = Request(Integrator::kPath, 2);
@@ -369,7 +369,7 @@ TEST(LocalLightEstimators, TexturesOfLampsAreTheOracles) {
   ExpectOracles(scene, request);
 }
 
-TEST(LocalLightEstimators, OracleFindsWhatIsWrong) {
+TEST(LocalLightEstimators, TheOracleDetectsALightOfFivePercentMore) {
   Scene scene = LitBalls(kLamp | kPoint);
   const JobRequest request = Request(Integrator::kDirect, 3);
   const RenderJob job(scene, request);
@@ -378,7 +378,7 @@ TEST(LocalLightEstimators, OracleFindsWhatIsWrong) {
   EXPECT_FALSE(SamePicture(engine, MeanOfBlocks(EstimateFromOracle(scene, job, kRuns), 3), kLevel));
 }
 
-TEST(LocalLightJobs, OnlyAScenesWithoutAnyLightIsRefused) {
+TEST(LocalLightJobs, OnlyASceneWithoutAnyLightIsRefused) {
   EXPECT_NO_THROW(RenderJob(LitBalls(kPoint), Request(Integrator::kPath, 2)));
   EXPECT_NO_THROW(RenderJob(LitBalls(kLamp), Request(Integrator::kPath, 2)));
   EXPECT_THROW(RenderJob(LitBalls(0), Request(Integrator::kPath, 2)), InputError);
@@ -394,7 +394,7 @@ TEST(LocalLightJobs, BrightLightsFitOntoTheFilm) {
   EXPECT_EQ(result.stats.invalid_samples, 0u);
 }
 
-TEST(LocalLightJobs, ScenesThatShineOtherwiseHaveOtherHashes) {
+TEST(LocalLightJobs, SceneHashesDependOnLights) {
   const auto hash = [](const Scene& scene) { return SceneHash(scene); };
   const std::uint64_t dark = hash(LitBalls(0)), lamp = hash(LitBalls(kLamp)),
                       point = hash(LitBalls(kPoint));

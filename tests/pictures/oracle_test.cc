@@ -109,7 +109,7 @@ void ExpectSame(const Scene& scene, const JobRequest& request) {
 
 class EveryMaterial : public testing::TestWithParam<MaterialCase> {};
 
-TEST_P(EveryMaterial, DirectLightIsTheOraclesUnderASun) {
+TEST_P(EveryMaterial, DirectLightMatchesTheOracleUnderASun) {
   Scene scene = TwoBalls(GetParam());
   SetLight(scene, SkyWithSun(64, 32, 60, 0.15));
   JobRequest request = Request(Integrator::kDirect, 6);
@@ -117,14 +117,14 @@ TEST_P(EveryMaterial, DirectLightIsTheOraclesUnderASun) {
   ExpectSame(scene, request);
 }
 
-TEST_P(EveryMaterial, PathsAreTheOraclesUnderASun) {
+TEST_P(EveryMaterial, PathsMatchTheOracleUnderASun) {
   Scene scene = TwoBalls(GetParam());
   // The lamp is wide because paths from the floor via glass and mirrors hit it by chance only.
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
   ExpectSame(scene, Request(Integrator::kPath, 8));
 }
 
-TEST_P(EveryMaterial, PathsAreTheOraclesUnderConstantLight) {
+TEST_P(EveryMaterial, PathsMatchTheOracleUnderConstantLight) {
   Scene scene = TwoBalls(GetParam());
   SetConstantLight(scene, 0.7f);
   ExpectSame(scene, Request(Integrator::kPath, 12));
@@ -196,7 +196,7 @@ TEST(OraclePictures, GlassOfTwoWidthsAgrees) {
   }
 }
 
-TEST(OracleItself, RefusesWhatItDoesNotKnow) {
+TEST(OracleItself, RefusesUnknownFeatures) {
   Scene scene = TwoBalls(kLambert);
   SetConstantLight(scene, 1);
   Material& material = scene.materials.back();
@@ -298,14 +298,14 @@ void ExpectAllStrategiesSame(Scene scene, const JobRequest& request, int block,
 // BSDF sampling alone hits it only a few times.
 bool FindsSuns(const StrategyCase& strategy) { return strategy.strategy != "bsdf"; }
 
-TEST(EveryStrategy, BsdfSamplingAloneIsTheOracles) {
+TEST(EveryStrategy, BsdfSamplingAloneMatchesTheOracle) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, Packable(AdversarialMap("Ramp")));
   ExpectAllStrategiesSame(scene, Request(Integrator::kPath, 5), 1,
                           [](const StrategyCase& strategy) { return strategy.strategy == "bsdf"; });
 }
 
-TEST(EveryStrategy, PathsOverAMetalWithMisAreTheOracles) {
+TEST(EveryStrategy, PathsOverAMetalWithMisMatchTheOracle) {
   Scene scene = TwoBalls(kRoughGold);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
   // Without it, the grazing lobes of metals give rare, bright samples that defeat a test of means.
@@ -313,13 +313,13 @@ TEST(EveryStrategy, PathsOverAMetalWithMisAreTheOracles) {
                           [](const StrategyCase& s) { return s.mis && FindsSuns(s); });
 }
 
-TEST(EveryStrategy, PathsAreTheOracles) {
+TEST(EveryStrategy, PathsMatchTheOracle) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
   ExpectAllStrategiesSame(scene, Request(Integrator::kPath, 5), 1, FindsSuns);
 }
 
-TEST(EveryStrategy, DirectLightIsTheOracles) {
+TEST(EveryStrategy, DirectLightMatchesTheOracle) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
   JobRequest request = Request(Integrator::kDirect, 3);
@@ -331,7 +331,7 @@ TEST(EveryStrategy, DirectLightIsTheOracles) {
 // compared.
 class EveryStrategyOnMap : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryStrategyOnMap, LightsAsTheOracle) {
+TEST_P(EveryStrategyOnMap, MatchesTheOracle) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, Packable(AdversarialMap(GetParam())), EnvironmentFrame('y', false, 33));
   JobRequest request = Request(Integrator::kPath, 2);
@@ -347,7 +347,7 @@ INSTANTIATE_TEST_SUITE_P(Oracle, EveryStrategyOnMap,
 
 class EveryOrientation : public testing::TestWithParam<NamedOrientation> {};
 
-TEST_P(EveryOrientation, PathsAreTheOracles) {
+TEST_P(EveryOrientation, PathsMatchTheOracle) {
   Scene scene = TwoBalls(kShinyGold);
   const std::array<float, 9>& m = GetParam().map_from_world;
   SetLight(scene, SkyWithSun(48, 24, 60, 0.15),

@@ -138,7 +138,7 @@ TEST(Photon, EdgesAndCornersAreNoDarker) {
 
 // A shelf close above the floor is seen from above: photons of the floor lie within its disks and
 // face the same direction, but are hidden by it.
-TEST(Photon, WhatLiesBehindASurfaceDoesNotLeak) {
+TEST(Photon, LightBehindASurfaceDoesNotLeak) {
   const Camera above = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
   ExpectCaveRadiance(ShiningRoom({0.8f, 0.02f, 0.8f}, {0, -0.9f, 0}, 0, above), 16, 400, 0.01);
 }
@@ -210,7 +210,7 @@ std::size_t InBoth(const std::set<std::array<float, 3>>& a,
 }
 
 // Both maps are looked up at every surface, so a photon in both would count twice.
-TEST(Photon, LiesInOneMapOnly) {
+TEST(Photon, EachPhotonIsInOneMapOnly) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(8, 8, 1, 6);
@@ -242,7 +242,7 @@ TEST(Photon, PassesHavePhotonsOfTheirOwn) {
 }
 
 // The product of Knaus and Zwicker 2011, eq. 15, is a quotient of gamma functions.
-TEST(Photon, RadiiShrinkAsTheyShould) {
+TEST(Photon, RadiiShrinkByTheFormula) {
   for (const float alpha : {0.3f, 2.0f / 3, 0.9f}) {
     JobRequest request = Request(8, 8, 400, 3);
     request.options.photons.passes = 200;
@@ -350,7 +350,7 @@ double PhotonsOverPaths(const Scene& scene, const JobRequest& request) {
 // Light falls off fast, and disks are nearly as large as the slot is deep, so rays of a gather that
 // looked photons up at the other wall would be off by 16 and 13 %. What is left is the blur of
 // longer rays.
-TEST(Photon, ShortRaysOfAGatherGoOn) {
+TEST(Photon, ShortRaysOfAGatherContinue) {
   JobRequest request = Request(8, 8, 256, 6);
   request.options.photons.indirect = 20000;
   request.options.photons.neighbors = 10000;

@@ -110,7 +110,7 @@ void ExpectSame(const glm::dvec3& found, const glm::dvec3& expected, double boun
       << expected.y << " " << expected.z;
 }
 
-TEST_P(TexturedParameters, AreTheirValues) {
+TEST_P(TexturedParameters, TexturesEqualConstantsOfTheirValues) {
   const TexturedCase& test = GetParam();
   const Image left = RenderConstant(test.left), right = RenderConstant(test.right);
   const Image uniform = RenderTextured(test.left, test.left);
@@ -125,7 +125,7 @@ TEST_P(TexturedParameters, AreTheirValues) {
 }
 
 // Light paths scatter by the same textures.
-TEST_P(TexturedParameters, AreTheSameForLightPaths) {
+TEST_P(TexturedParameters, LightPathsMatchPathTracing) {
   const TexturedCase& test = GetParam();
   const Image path = RenderTextured(test.left, test.right);
   const Image bdpt = RenderTextured(test.left, test.right, Integrator::kBdpt);

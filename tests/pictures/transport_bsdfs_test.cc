@@ -68,7 +68,7 @@ double Level() { return SidakLevel(7 * Tested().size() + 2); }
 
 class TransportBsdfs : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(TransportBsdfs, PicturesAreThoseOfPaths) {
+TEST_P(TransportBsdfs, PicturesMatchPathTracing) {
   Scene scene = SceneOf(GetParam());
   const PictureEstimate paths = Estimate(scene, Integrator::kPath, 64, 1000);
   EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kBdpt, 24, 100), paths, Level())) << "bdpt";
@@ -86,7 +86,7 @@ TEST_P(TransportBsdfs, PicturesAreThoseOfPaths) {
 
 // Strategies that ask what the surface reflects or lets through, and light paths that start by
 // another strategy than the default, where they may.
-TEST_P(TransportBsdfs, PicturesAreThoseOfOtherStrategies) {
+TEST_P(TransportBsdfs, PicturesMatchOtherStrategies) {
   const Scene scene = SceneOf(GetParam());
   const PictureEstimate paths = Estimate(scene, Integrator::kPath, 64, 1000);
   for (const char* strategy : {"product", "ris"}) {
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Each, TransportBsdfs, testing::Range(std::size_t{0}, Te
                            return name + std::to_string(test.param);
                          });
 
-TEST(Transport, NoneIsLeftOut) {
+TEST(Transport, EveryBsdfIsTested) {
   std::set<BsdfKind> kinds;
   for (const Material& material : Tested()) kinds.insert(material.bsdf);
   EXPECT_EQ(kinds.size(), kBsdfKinds);

@@ -55,7 +55,7 @@ double MeanOf(const Image& image, std::size_t channel) {
 
 class VcmLights : public testing::TestWithParam<int> {};
 
-TEST_P(VcmLights, PicturesAreThoseOfPaths) {
+TEST_P(VcmLights, PicturesMatchPathTracing) {
   EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(4, kSmallRadius),
                           kRuns, kLevel));
 }
@@ -71,7 +71,7 @@ struct BsdfCase {
 void PrintTo(const BsdfCase& test, std::ostream* out) { *out << Bsdfs()[int(test.kind)].name; }
 class VcmBsdfs : public testing::TestWithParam<BsdfCase> {};
 
-TEST_P(VcmBsdfs, PicturesAreThoseOfPaths) {
+TEST_P(VcmBsdfs, PicturesMatchPathTracing) {
   const BsdfCase& test = GetParam();
   EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kEnvironment | kLamp),
                           Request(5, kSmallRadius), kRuns, kLevel));
@@ -102,7 +102,7 @@ TEST(Vcm, TheRadiusFitsWhatPixelsSee) {
   EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
 }
 
-TEST(Vcm, OtherStrategiesAreThoseOfPaths) {
+TEST(Vcm, OtherStrategiesMatchPathTracing) {
   for (const char* const strategy :
        {"alias", "uniform", "presampled", "median-cut:pick=power", "hybrid:pick=power"}) {
     JobRequest request = Request(4, kSmallRadius);
@@ -113,7 +113,7 @@ TEST(Vcm, OtherStrategiesAreThoseOfPaths) {
   }
 }
 
-TEST(Vcm, LensesSeeWhatPathsSee) {
+TEST(Vcm, LensesMatchPathTracing) {
   JobRequest request = Request(4, kSmallRadius);
   request.camera.lens_radius = 0.3f;
   EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLamp), request, kRuns,
@@ -121,7 +121,7 @@ TEST(Vcm, LensesSeeWhatPathsSee) {
 }
 
 // Nothing is merged, so nothing is biased.
-TEST(Vcm, WithoutARadiusItIsBidirectional) {
+TEST(Vcm, WithoutARadiusItEqualsBdpt) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLocal);
   JobRequest request = Request(4, 1e-6f);
   const PictureEstimate vcm =
@@ -198,7 +198,7 @@ Scene FloorInAMirror() {
   return scene;
 }
 
-TEST(Vcm, MirrorsShowWhatTheyLight) {
+TEST(Vcm, CausticsAreSeenInMirrors) {
   const Scene scene = FloorInAMirror();
   JobRequest request = Request(4, 0.1f);
   const auto mean = [&](Integrator integrator) {
@@ -239,7 +239,7 @@ TEST(Vcm, RadiusIsHalfOfTheDistanceToTheNeighbors) {
 
 // By Knaus and Zwicker 2011, eq. 15, the square of the radius has shrunk by a quotient of gamma
 // functions.
-TEST(Vcm, LastPassHasTheRadiusThatIsLeft) {
+TEST(Vcm, TheRadiusOfTheLastPassFollowsTheFormula) {
   constexpr double kAlpha = 2.0 / 3, kFirst = 0.2;
   for (const std::uint32_t passes : {1u, 16u}) {
     JobRequest request = Request(2, float(kFirst));
@@ -257,7 +257,7 @@ TEST(Vcm, LastPassHasTheRadiusThatIsLeft) {
 }
 
 // A sample has the same pass in every picture that has one, whichever samples that begins with.
-TEST(Vcm, APassOfASampleIsThatOfEveryPicture) {
+TEST(Vcm, PassesDoNotDependOnTheFirstSample) {
   const auto passes_of = [](std::uint32_t first, std::uint32_t end) {
     RenderOptions options;
     options.integrator = Integrator::kVcm;

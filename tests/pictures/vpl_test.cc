@@ -58,7 +58,7 @@ TEST(Vpl, CaveIsAsBrightAsItsSeriesLessWhatTheBoundTakes) {
 
 // A small mirror fills the view of a camera in the cave, so the mirror is one of the surfaces of a
 // path, and lights of the longest light paths do not count.
-TEST(Vpl, MirrorsThatAreSeenCountAsSurfaces) {
+TEST(Vpl, VisibleMirrorsCountAsSurfaces) {
   Scene scene = ShiningCave();
   scene.materials.push_back({.bsdf = BsdfKind::kMirror, .reflectance = glm::vec3(1)});
   Mesh mirror = Facetted(Quad(0.03f));
@@ -78,7 +78,7 @@ TEST(Vpl, MirrorsThatAreSeenCountAsSurfaces) {
 
 // Without a bound near lights are unbiased, of every BSDF that has a density, and over mirrors and
 // glass that are seen; the camera sees no light that mirrors throw on the floor.
-TEST(Vpl, WithoutABoundShowsThePictureOfPaths) {
+TEST(Vpl, WithoutABoundMatchesPathTracing) {
   struct Row {
     BsdfKind bsdf;
     int lights;
@@ -120,7 +120,7 @@ TEST(Vpl, BoundDarkensCornersAndBrightensNothing) {
   }
 }
 
-TEST(Vpl, PartsOfAFilmAreThoseOfTheWhole) {
+TEST(Vpl, PartsOfAFilmEqualTheWhole) {
   const Scene scene = MattRoom(Of(BsdfKind::kMirror), kLamp | kEnvironment);
   JobRequest request = Request(37, 29, 3, -1);
   request.options.guide = true;

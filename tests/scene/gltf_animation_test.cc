@@ -217,7 +217,7 @@ TEST(GltfAnimation, ValuesMayBeSparse) {
   ExpectNear(VertexAt(document, 1), {8, 8, 9});
 }
 
-TEST(GltfAnimation, AllOfThemMoveOrTheOneThatIsNamed) {
+TEST(GltfAnimation, AllAnimationsMoveOrOnlyTheNamedOne) {
   const GltfDocument document = MovingTriangle();
   ExpectNear(ReadAt(document, 1).meshes[0].positions[1], {std::cos(kPi / 4), std::sin(kPi / 4), 0});
   ExpectNear(ReadAt(document, 1, "slide").meshes[0].positions[1], {1, 0, 0});
@@ -266,7 +266,7 @@ TEST(GltfAnimation, WeightsAreLeftAtRestWithAWarning) {
 
 // Each of these is refused with the file, the animation and the channel, but only if a frame is
 // asked for.
-TEST(GltfAnimation, RefusesWhatIsWrong) {
+TEST(GltfAnimation, InvalidAnimationsAreRefused) {
   using nlohmann::json;
   const float nan = std::nanf("");
   const auto changed = [](const std::function<void(json&)>& change) {

@@ -483,7 +483,7 @@ TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
 }
 
 // Colours have three or four channels, as floats or normalized bytes.
-TEST_F(Gltf, ColoursOfVertices) {
+TEST_F(Gltf, VertexColoursAreRead) {
   json document = Document();
   document["bufferViews"].push_back(View(0, 48));
   json& primitive = document["meshes"][0]["primitives"][0];
@@ -534,7 +534,7 @@ TEST_F(Gltf, VolumesAbsorb) {
   EXPECT_EQ(Read(document).materials[0].absorption, glm::vec3(0));
 }
 
-TEST_F(Gltf, GlassAndIndices) {
+TEST_F(Gltf, TransmissionAndIndicesMakeGlass) {
   json document = Document();
   document["materials"][0]["extensions"] = {
       {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
@@ -553,7 +553,7 @@ TEST_F(Gltf, GlassAndIndices) {
   EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
 }
 
-TEST_F(Gltf, LayersAndSpecular) {
+TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   json document = Document();
   json& extensions = document["materials"][0]["extensions"];
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
@@ -598,7 +598,7 @@ TEST_F(Gltf, LayersAndSpecular) {
   EXPECT_NEAR((blue - 1) / (blue + 1), 0.5 * 0.2, 1e-6);
 }
 
-TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
+TEST_F(Gltf, UnsupportedFeaturesAreNamed) {
   json document = Document();
   document["materials"][0]["extensions"] = {{"KHR_materials_iridescence", json::object()},
                                             {"KHR_materials_variants", json::object()}};
@@ -611,7 +611,7 @@ TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
   }
 }
 
-TEST_F(Gltf, WhatContradictsItselfIsRefused) {
+TEST_F(Gltf, InconsistentFilesAreRefused) {
   ASSERT_EQ(ErrorOf(Document()), "");
   const auto refused = [&](const char* pointer, const json& value) {
     json document = Document();

@@ -45,7 +45,7 @@ PunctualLight OnlyLight(const std::string& text) {
   return scene.lights.at(0);
 }
 
-TEST(PbrtLights, Points) {
+TEST(PbrtLights, PointLightsAreRead) {
   const PunctualLight v3 = OnlyLight(
       "Translate 1 2 3 LightSource \"point\" \"rgb I\" [1 2 3] \"rgb scale\" [2 2 4] "
       "\"point from\" [0 1 0]");
@@ -60,7 +60,7 @@ TEST(PbrtLights, Points) {
   ExpectNear(OnlyLight("LightSource \"point\" \"float power\" -1").emission, glm::vec3(1));
 }
 
-TEST(PbrtLights, Spots) {
+TEST(PbrtLights, SpotLightsAreRead) {
   const PunctualLight light = OnlyLight(
       "Rotate 90 0 0 1 LightSource \"spot\" \"rgb I\" [3 2 1] \"point3 from\" [1 0 0] \"point3 "
       "to\" "
@@ -155,7 +155,7 @@ glm::dvec3 SentTo(const Scene& scene, const glm::dvec3& point) {
 
 // A cone that its transform stretches is no cone of a circle any more: below the light the ellipse
 // is 1 wide and 3 deep, in units of the round one.
-TEST(PbrtLights, StretchedSpots) {
+TEST(PbrtLights, StretchedSpotsAreRead) {
   const std::string spot = "LightSource \"spot\" \"point3 from\" [0 4 0] \"point3 to\" [0 0 0]";
   const Scene scene = Parse("Translate 1 0 0 Scale 1 1 3 " + spot);
   EXPECT_TRUE(scene.warnings.empty());
@@ -170,7 +170,7 @@ TEST(PbrtLights, StretchedSpots) {
 }
 
 // pbrt-v4 lays the square with its middle along y and its sides along x and z.
-TEST(PbrtLights, GoniometricOnes) {
+TEST(PbrtLights, GoniometricLightsAreRead) {
   const std::string light =
       "Translate 1 2 3 LightSource \"goniometric\" \"rgb I\" [1 2 3] "
       "\"string filename\" \"image.pfm\" ";
@@ -201,7 +201,7 @@ TEST(PbrtLights, GoniometricOnes) {
 
 // pbrt-v3 has a lat-long image, whose first row is up (y) and whose columns turn from +x to +z, and
 // whose colours count.
-TEST(PbrtLights, GoniometricOnesOfVersionThree) {
+TEST(PbrtLights, GoniometricLightsOfVersionThreeAreRead) {
   const TemporaryFolder folder;
   const int width = 128, height = 64;
   Image image(width, height);
@@ -245,7 +245,7 @@ TEST(PbrtLights, GoniometricOnesOfVersionThree) {
 }
 
 // pbrt-v3 projects the first row to the bottom, by default in a square of 45 degrees.
-TEST(PbrtLights, ProjectionsOfVersionThree) {
+TEST(PbrtLights, ProjectionLightsOfVersionThreeAreRead) {
   const TemporaryFolder folder;
   Image image(1, 2);
   for (int i = 0; i < 6; ++i) image.rgb[std::size_t(i)] = float(1 + i);
@@ -267,7 +267,7 @@ TEST(PbrtLights, ProjectionsOfVersionThree) {
 }
 
 // The image is upright for an eye behind the light, and `fov` is that of its shorter side.
-TEST(PbrtLights, Projections) {
+TEST(PbrtLights, ProjectionLightsAreRead) {
   const auto parse = [](const std::string& more) {
     const auto color = [](int x, int y) { return glm::vec3(1 + x + 4 * y, 0, x + 4 * y == 7); };
     return ParseWithImage(MadeImage(4, 2, color),
@@ -306,7 +306,7 @@ TEST(PbrtLights, Projections) {
   EXPECT_EQ(SentTo(wide, {2.02, 0, 1}), glm::dvec3(0));
 }
 
-TEST(PbrtLights, DistantOnes) {
+TEST(PbrtLights, DistantLightsAreRead) {
   const PunctualLight light = OnlyLight(
       "Rotate 90 1 0 0 LightSource \"distant\" \"rgb L\" [1 2 3] \"float scale\" 2 \"point3 from\" "
       "[0 0 5] \"point3 to\" [0 0 1] \"float illuminance\" 10");
@@ -448,7 +448,7 @@ TEST(PbrtLights, InstancesShine) {
   EXPECT_EQ(lights.view().lights[1].position[0], 5);
 }
 
-TEST(PbrtLights, WhatIsNoLightIsRefusedWithItsLine) {
+TEST(PbrtLights, InvalidLightsAreRefusedWithTheirLine) {
   for (const auto& [text, reason] : std::initializer_list<std::pair<std::string, const char*>>{
            {"LightSource \"point\" \"rgb I\" [1 -1 1]", "negative"},
            {"LightSource \"distant\" \"float scale\" -2", "negative"},
@@ -540,7 +540,7 @@ class GltfLights : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(GltfLights, PunctualOnes) {
+TEST_F(GltfLights, PunctualLightsAreRead) {
   json document = Document();
   const PunctualLight point = Read(document).lights.at(0);
   EXPECT_EQ(point.kind, LocalLightKind::kPoint);
@@ -564,7 +564,7 @@ TEST_F(GltfLights, PunctualOnes) {
   EXPECT_NEAR(spot.cos_dark, std::cos(0.6), 1e-6);
 }
 
-TEST_F(GltfLights, EmissionOfMaterials) {
+TEST_F(GltfLights, EmissionOfMaterialsIsRead) {
   json document = Document();
   document["materials"] = {
       {{"name", "dark"}},
@@ -581,7 +581,7 @@ TEST_F(GltfLights, EmissionOfMaterials) {
   EXPECT_TRUE(scene.materials[2].emits_on_both_sides);
 }
 
-TEST_F(GltfLights, WhatIsNoLightIsRefused) {
+TEST_F(GltfLights, InvalidLightsAreRefused) {
   const auto error_of = [&](const char* pointer, const json& value) -> std::string {
     json document = Document();
     document[json::json_pointer(pointer)] = value;

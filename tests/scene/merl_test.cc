@@ -64,7 +64,7 @@ TEST(Merl, FindsTheWidthOfTheGloss) {
   EXPECT_LT(brdf.specular_share, 0.6);
 }
 
-TEST(Merl, RefusesWhatIsNoTable) {
+TEST(Merl, InvalidTablesAreRefused) {
   const std::string good = MerlFile();
   ASSERT_EQ(ErrorOf(good), "");
   EXPECT_NE(ErrorOf(""), "");

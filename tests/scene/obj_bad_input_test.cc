@@ -92,7 +92,7 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
   for (const BadText& bad : cases) ExpectRefused(bad, TryObj(bad.text));
 }
 
-TEST(BadObj, MissingAndBrokenLibraries) {
+TEST(BadObj, MissingAndBrokenLibrariesAreRefused) {
   const TemporaryFolder folder;
   const std::string path = folder.Write("a.obj", kTriangle + "mtllib no.mtl\nf 1 2 3\n");
   const Refusal missing = Try([&] { ReadObj(path); });
@@ -126,7 +126,7 @@ TEST(BadMtl, IsRefusedWithFileLineAndReason) {
   for (const BadText& bad : cases) ExpectRefused(bad, TryMtl(bad.text));
 }
 
-TEST(BadObj, EveryTruncationAndFlippedByteEndsWell) {
+TEST(BadObj, TruncationsAndFlippedBytesAreReadOrRefused) {
   const std::string text =
       "o thing\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 1\nusemtl a b\n"
       "f 1/1/1 2/1/1 3/1/1 4/1/1\ns off\nf -1//-1 -2//-1 -3//-1\ng x \\\n y\nf 1 2 3 4\n";
@@ -145,7 +145,7 @@ TEST(BadObj, EveryTruncationAndFlippedByteEndsWell) {
   }
 }
 
-TEST(BadMtl, EveryTruncationAndFlippedByteEndsWell) {
+TEST(BadMtl, TruncationsAndFlippedBytesAreReadOrRefused) {
   const std::string text =
       "# c\nnewmtl a b\n\tKd .5 .5 .5\nKs 1\nNs 10\nNi 1.5\nd 0.5\nillum 2\nmap_Kd -o 1 1 1 a.png\n"
       "map_bump -bm 2 b.png\nnewmtl c\nTr 0.1\nPr .3\nPm 1\nTf 1 1 1\nKe 1 1 1\n";

@@ -53,7 +53,7 @@ double Area(const Scene& scene) {
 
 constexpr char kSquare[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-TEST(Obj, FacesOfEveryForm) {
+TEST(Obj, FacesOfEveryFormAreRead) {
   for (const char* face :
        {"f 1 2 3 4", "f -4 -3 -2 -1", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1 4//1",
         "f 1/1/1 2/2/1 3/3/1 4/4/-1", "  f\t1  2 3   4  ", "f 1 2 \\\n 3 4", "f 1 2 3\nf 1 3 4"}) {
@@ -181,7 +181,7 @@ TEST(Obj, SmoothNormalsDoNotShowHowFacesAreCut) {
   ExpectNear(mesh.normals.at(mesh.triangles.at(0).x), glm::vec3(-std::sqrt(1 / 3.0f)));
 }
 
-TEST(Obj, AFanOfManyTrianglesEndsInTime) {
+TEST(Obj, AFanOfManyTrianglesIsReadQuickly) {
   std::string text = "v 0 0 0\n";
   constexpr int kSides = 20000;
   for (int i = 0; i < kSides; ++i) {
@@ -226,7 +226,7 @@ TEST(Obj, OtherStatementsAreNamedOnce) {
                                       "t.obj:8: 'cstype' is not supported: left out"}));
 }
 
-TEST(Mtl, LambertIsTheRule) {
+TEST(Mtl, LambertIsTheDefault) {
   const Material plain = OnlyMaterial("Kd .1 .2 .3\nNs 50\nNi 1.5\nd 1\nillum 2\nKs 0 0 0\n");
   EXPECT_EQ(plain.bsdf, BsdfKind::kLambert);
   EXPECT_EQ(plain.name, "m");
@@ -241,7 +241,7 @@ TEST(Mtl, LambertIsTheRule) {
   EXPECT_EQ(coated.metallic, 0);
 }
 
-TEST(Mtl, MetalsMirrorsAndGlass) {
+TEST(Mtl, MetalsMirrorsAndGlassAreRecognised) {
   const Material metal = OnlyMaterial("Kd 0 0 0\nKs .2 .5 .8\nNs 98\nillum 2");
   EXPECT_EQ(metal.bsdf, BsdfKind::kConductor);
   EXPECT_NEAR(metal.alpha, std::sqrt(2.0 / 100), 1e-6);
@@ -267,7 +267,7 @@ TEST(Mtl, MetalsMirrorsAndGlass) {
   EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nillum 2\nTf 1 1 1").bsdf, BsdfKind::kLambert);
 }
 
-TEST(Mtl, SaysOnceWhatIsNotRendered) {
+TEST(Mtl, UnsupportedStatementsAreReportedOnce) {
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Ks a.jpg\nnewmtl b\nKd 1 1 1\nmap_Ks b.jpg\n"
                         "Ke 0 0 0\n"),
             std::vector<std::string>{

@@ -30,7 +30,7 @@ Mesh Curve(const std::string& parameters, const std::string& before = kWithUvs) 
       .meshes.at(0);
 }
 
-TEST(Curves, FlatOnesAreReportedOnce) {
+TEST(Curves, FlatCurvesAreReportedOnce) {
   const std::string curve = "\nShape \"curve\" \"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3]";
   const Scene scene = ParsePbrt("WorldBegin" + curve + curve, "t.pbrt");
   ASSERT_EQ(scene.warnings.size(), 1u);
@@ -64,7 +64,7 @@ void ExpectConsistent(const Mesh& mesh) {
 // Edges of a tube with so many sides are that much farther out than its radius.
 double Reach(int sides) { return kPi / sides / std::sin(kPi / sides); }
 
-TEST(Curves, StraightOnesAreCylinders) {
+TEST(Curves, StraightCurvesAreCylinders) {
   for (const char* type : {"flat", "cylinder"}) {
     const Mesh mesh = Curve(
         "\"point3 P\" [1 2 3 1 2 4 1 2 5 1 2 6] \"float width\" .6 \"string "
@@ -136,7 +136,7 @@ TEST(Curves, AQuarterOfACircleIsAQuarterOfATorus) {
 }
 
 // The area of a cone between circles is that of a trapezoid, and its normals lean by its slope.
-TEST(Curves, TaperedOnesAreCones) {
+TEST(Curves, TaperedCurvesAreCones) {
   const Mesh mesh =
       Curve("\"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3] \"float width0\" 2 \"float width1\" 0");
   ExpectConsistent(mesh);
@@ -264,7 +264,7 @@ TEST(Curves, AreCutFinely) {
 }
 
 // Hair ends in points that are given twice; a curve may also turn back, or be a point.
-TEST(Curves, MayStandStill) {
+TEST(Curves, RepeatedControlPointsAreTessellated) {
   for (const char* points :
        {"0 0 0 0 0 0 1 0 0 1 0 0", "0 0 0 1 0 0 1 0 0 0 0 0", "0 0 0 0 0 0 0 0 0 0 1 0",
         "0 0 0 0 0 0 0 0 0 0 0 0 1 0 0 2 0 0 3 0 0"}) {
@@ -299,7 +299,7 @@ TEST(Curves, AreBounded) {
 }
 
 // White hair nearly vanishes in a furnace, seen from so near that it fills the film.
-TEST(Curves, ThinOnesLoseLittleLight) {
+TEST(Curves, ThinCurvesLoseLittleLight) {
   const RenderJob job(
       ParsePbrt(
           "LookAt 0 0 1 0 0 0 0 1 0 Camera \"orthographic\" \"float screenwindow\" [-.0024 "

@@ -139,7 +139,7 @@ class PbrtFeatures : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(PbrtFeatures, TableIsTrue) {
+TEST_F(PbrtFeatures, TheDocumentedTableMatchesTheReader) {
   const std::vector<Example> examples = Examples();
   ASSERT_GE(examples.size(), 50u);
   for (const Example& example : examples) {
@@ -165,11 +165,11 @@ TEST_F(PbrtFeatures, TableIsTrue) {
   }
 }
 
-TEST_F(PbrtFeatures, AloneAreRendered) {
+TEST_F(PbrtFeatures, EachFeatureIsRendered) {
   for (const Example& example : Examples()) ExpectPicture(SceneOf({example}));
 }
 
-TEST_F(PbrtFeatures, InPairsAreRendered) {
+TEST_F(PbrtFeatures, PairsOfFeaturesAreRendered) {
   const std::vector<Example> examples = Examples();
   std::vector<std::vector<Example>> pairs;
   for (std::size_t i = 0; i < examples.size(); ++i) {
@@ -201,7 +201,7 @@ TEST_F(PbrtFeatures, AFileWithoutShapesShowsItsLight) {
 }
 
 // The text of an example, cut anywhere, is either read or refused with a position and an exit code.
-TEST_F(PbrtFeatures, CutOnesEndWell) {
+TEST_F(PbrtFeatures, TruncatedFeaturesAreReadOrRefused) {
   int refused = 0;
   for (const Example& example : Examples()) {
     const std::string text = SceneOf({example});

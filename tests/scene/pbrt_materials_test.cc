@@ -14,7 +14,7 @@
 namespace skywave {
 namespace {
 
-TEST(Materials, BothVersionsNames) {
+TEST(Materials, NamesOfBothVersionsAreRead) {
   ExpectNear(OnlyMaterial("").reflectance, glm::vec3(0.5f));
   const Material matte = OnlyMaterial("Material \"matte\" \"color Kd\" [.1 .2 .3]");
   EXPECT_EQ(matte.bsdf, BsdfKind::kLambert);
@@ -38,7 +38,7 @@ TEST(Materials, BothVersionsNames) {
   EXPECT_FLOAT_EQ(OnlyMaterial("Material \"dielectric\"").ior, 1.5f);
 }
 
-TEST(Materials, Conductors) {
+TEST(Materials, ConductorsAreRead) {
   const Material gold = OnlyMaterial(
       "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" "
       "\"float roughness\" 0.04");
@@ -103,7 +103,7 @@ TEST(Materials, Conductors) {
 
 // The indices n_d of Schott's catalogue, to all of its digits; F5, F10 and F11 are SF5, SF10 and
 // SF11 in pbrt. An index by wavelength counts where n_d does.
-TEST(Materials, NamedGlasses) {
+TEST(Materials, NamedGlassesHaveTheirIndices) {
   const std::pair<const char*, double> glasses[] = {
       {"BK7", 1.51680},  {"BAF10", 1.67003}, {"FK51A", 1.48656}, {"LASF9", 1.85025},
       {"F5", 1.67271},   {"F10", 1.72825},   {"F11", 1.78472},   {"SF5", 1.67271},
@@ -122,7 +122,7 @@ TEST(Materials, NamedGlasses) {
 
 // Under both of pbrt's spellings; and about the reflectances at normal incidence that are published
 // for these metals (Akenine-Moeller et al. 2018, table 9.2, where gold's red is above 1).
-TEST(Materials, NamedMetals) {
+TEST(Materials, NamedMetalsHaveTheirIndices) {
   struct Metal {
     std::string name;
     glm::vec3 eta, k, reflectance;
@@ -152,7 +152,7 @@ TEST(Materials, NamedMetals) {
   }
 }
 
-TEST(Materials, DiffuseOnes) {
+TEST(Materials, DiffuseMaterialsAreRead) {
   const Material clay = OnlyMaterial("Material \"matte\" \"float sigma\" 20");
   EXPECT_EQ(clay.bsdf, BsdfKind::kOrenNayar);
   // The ratio is B / A of Oren and Nayar 1994 for sigma = 20 degrees.
@@ -212,7 +212,7 @@ TEST(Materials, HaveTheDefaultsOfTheirVersions) {
   EXPECT_FLOAT_EQ(OnlyMaterial("Material \"thindielectric\"").ior, 1.5f);
 }
 
-TEST(Materials, RoughAndThinGlass) {
+TEST(Materials, RoughAndThinGlassAreRead) {
   const Material frosted =
       OnlyMaterial("Material \"dielectric\" \"float roughness\" .09 \"float eta\" 1.4");
   EXPECT_EQ(frosted.bsdf, BsdfKind::kRoughDielectric);
@@ -242,7 +242,7 @@ TEST(Materials, RoughAndThinGlass) {
             BsdfKind::kThinDielectric);
 }
 
-TEST(Materials, Mixtures) {
+TEST(Materials, MixturesAreRead) {
   const char* const kTwo =
       "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"matte\"\n"
       "MakeNamedMaterial \"b\" \"string type\" \"mirror\"\n";
@@ -261,7 +261,7 @@ TEST(Materials, Mixtures) {
   EXPECT_THROW(mixture("\"string materials\" [\"a\"]"), InputError);
 }
 
-TEST(Materials, NamedOnesAndConstantTextures) {
+TEST(Materials, NamedMaterialsAndConstantTexturesAreRead) {
   const Scene scene = Parse(
       std::string("WorldBegin\n"
                   "Texture \"warm\" \"spectrum\" \"constant\" \"rgb value\" [.9 .5 .1]\n"

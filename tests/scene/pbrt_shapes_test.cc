@@ -67,7 +67,7 @@ TEST(RoundShapes, HaveTheirAreas) {
   }
 }
 
-TEST(RoundShapes, LieAsPbrtHasThem) {
+TEST(RoundShapes, AreOrientedAsInPbrt) {
   const Mesh sphere = Shape("Shape \"sphere\" \"float phimax\" 90");
   for (std::size_t i = 0; i < sphere.positions.size(); ++i) {
     const glm::vec3 p = sphere.positions[i];

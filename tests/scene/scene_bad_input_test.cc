@@ -192,7 +192,7 @@ TEST(BadPbrt, IsRefusedWithFileLineAndReason) {
   }
 }
 
-TEST(BadPbrt, EveryTruncationEndsWell) {
+TEST(BadPbrt, EveryTruncationIsReadOrRefused) {
   const std::string text =
       "LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" [40]\nWorldBegin\n"
       "AttributeBegin Material \"metal\" \"spectrum eta\" \"metal-Cu-eta\"\n"
@@ -207,7 +207,7 @@ TEST(BadPbrt, EveryTruncationEndsWell) {
   }
 }
 
-TEST(BadPbrt, EveryFlippedByteEndsWell) {
+TEST(BadPbrt, EveryFlippedByteIsReadOrRefused) {
   const std::string text =
       "WorldBegin\nAttributeBegin Material \"metal\" \"float roughness\" 0.1\n"
       "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point P\" [0 0 0 1 0 0 0 1 0]\n"
@@ -238,7 +238,7 @@ TEST(BadPbrt, NestingAndGrowthAreBounded) {
                        "13 levels"));
 }
 
-TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
+TEST(BadPbrt, IncludesMustExistAndNotRecur) {
   const TemporaryFolder folder;
   const std::string self = folder.Write("self.pbrt", "\nInclude \"self.pbrt\"\n");
   const std::string error = ErrorOf([&] { ReadScene(self); });
@@ -298,7 +298,7 @@ TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
   EXPECT_TRUE(Contains(ply, "m.pbrt:2: ") && Contains(ply, "bad.ply:3: ")) << ply;
 }
 
-TEST(BadScene, UnknownNamesAndEndings) {
+TEST(BadScene, UnknownNamesAndEndingsAreRefused) {
   const TemporaryFolder folder;
   const std::string blend = folder.Write("a.blend", "BLENDER");
   EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(blend); }), ".pbrt, .obj, .gltf, .glb or .ply"));
@@ -400,7 +400,7 @@ TEST(BadPly, EveryTruncationIsRefused) {
   }
 }
 
-TEST(BadPly, EveryFlippedByteEndsWell) {
+TEST(BadPly, EveryFlippedByteIsReadOrRefused) {
   const std::string bytes = BinaryPly(false);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     for (int change = 1; change < 256; change += 7) {

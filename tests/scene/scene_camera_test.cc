@@ -22,7 +22,7 @@ Camera OnlyCamera(const std::string& text) {
   return scene.camera.value();
 }
 
-TEST(PbrtCamera, ThinLens) {
+TEST(PbrtCamera, ThinLensesAreRead) {
   const Camera camera = OnlyCamera(
       "Camera \"perspective\" \"float fov\" 40 \"float lensradius\" .5 \"float focaldistance\" 7");
   EXPECT_EQ(camera.kind, CameraKind::kPerspective);
@@ -34,7 +34,7 @@ TEST(PbrtCamera, ThinLens) {
   EXPECT_EQ(pinhole.focal_distance, 1e6f);  // pbrt's default
 }
 
-TEST(PbrtCamera, OrthographicAndScreenWindow) {
+TEST(PbrtCamera, OrthographicCamerasAndScreenWindowsAreRead) {
   const Camera camera = OnlyCamera(
       "Camera \"orthographic\" \"float screenwindow\" [-2 3 -1 4] \"float lensradius\" .1");
   EXPECT_EQ(camera.kind, CameraKind::kOrthographic);
@@ -55,7 +55,7 @@ TEST(PbrtCamera, OrthographicAndScreenWindow) {
   EXPECT_EQ(tall.bottom, -2);
 }
 
-TEST(PbrtCamera, SphericalOnesLieAsInPbrt) {
+TEST(PbrtCamera, SphericalCamerasAreOrientedAsInPbrt) {
   // pbrt's direction is (sin theta cos phi, cos theta, sin theta sin phi) at phi = 2 pi u. The
   // middle of the picture looks along -x, three quarters along -z, the top along +y.
   for (const char* text :
@@ -74,7 +74,7 @@ TEST(PbrtCamera, SphericalOnesLieAsInPbrt) {
   EXPECT_EQ(Parse("Camera \"realistic\" \"string lensfile\" \"a.dat\"").warnings.size(), 2u);
 }
 
-TEST(PbrtFilm, CropWindow) {
+TEST(PbrtFilm, CropWindowsAreRead) {
   const auto crop = Parse("Film \"rgb\" \"float cropwindow\" [.25 .5 0 1]").settings.crop;
   ASSERT_TRUE(crop);
   EXPECT_EQ(crop->left, 0.25f);
@@ -122,7 +122,7 @@ TEST(PbrtFilm, PixelBoundsAreKeptExactly) {
   }
 }
 
-TEST(PbrtCamera, BadOnesAreRefused) {
+TEST(PbrtCamera, InvalidCamerasAreRefused) {
   const std::pair<const char*, const char*> cases[] = {
       {"\nCamera \"perspective\" \"float lensradius\" -1", "t.pbrt:2: "},
       {"Camera \"orthographic\" \"float focaldistance\" 0", "t.pbrt:1: "},
@@ -166,7 +166,7 @@ TEST(CameraKinds, OrthographicKeepsDepthAndLens) {
   EXPECT_NEAR(after.focal_distance * glm::length(glm::vec3(after.world_from_camera[2])), 6, 1e-5f);
 }
 
-TEST(CameraKinds, SphericalOnesStandUpright) {
+TEST(CameraKinds, SphericalCamerasStandUpright) {
   const Bounds bounds{{-1, -1, -1}, {1, 1, 1}};
   for (const bool left_handed : {false, true}) {
     const Camera before = FrameBounds(bounds, 'z', left_handed);

@@ -26,7 +26,7 @@ bool Unset(std::optional<T>& field) {
   return true;
 }
 
-TEST(SceneHash, TellsEveryFieldOfAMaterial) {
+TEST(SceneHash, DependsOnEveryFieldOfAMaterial) {
   const Material base = MaterialOfAllParts(BsdfKind::kConductor);
   std::set<std::uint64_t> hashes = {HashOf(base)};
   Material changed = base;
@@ -41,7 +41,7 @@ TEST(SceneHash, TellsEveryFieldOfAMaterial) {
 }
 
 // Films of parts are added by the hash of their scene, so that all that is seen has to count.
-TEST(SceneHash, TellsEveryNumberOfWhatIsSeen) {
+TEST(SceneHash, DependsOnEveryVisibleNumber) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.normals.assign(3, {0, 0, 1});
@@ -111,14 +111,14 @@ TEST(SceneHash, TellsEveryNumberOfWhatIsSeen) {
   }
 }
 
-TEST(SceneHash, TellsWhetherATextureHasLevels) {
+TEST(SceneHash, DependsOnWhetherATextureHasLevels) {
   Texture texture;
   const std::uint64_t hash = SceneHash({.textures = {texture}});
   texture.one_level = true;
   EXPECT_NE(SceneHash({.textures = {texture}}), hash);
 }
 
-TEST(SceneHash, DoesNotKnowNames) {
+TEST(SceneHash, DoesNotDependOnNames) {
   Material material = MaterialOfAllParts(BsdfKind::kConductor);
   const std::uint64_t hash = HashOf(material);
   material.name = "other";
@@ -126,7 +126,7 @@ TEST(SceneHash, DoesNotKnowNames) {
 }
 
 // Pictures carry hashes in their files, so those of existing scenes must not change.
-TEST(SceneHash, StaysWhatItWas) {
+TEST(SceneHash, MatchesRecordedValues) {
   EXPECT_EQ(HashOf({}), 0x6261c5dbb102e218u);
   Material conductor = MaterialOfAllParts(BsdfKind::kConductor);
   // These are younger than the hashes, and materials do not have them unless they are asked for.

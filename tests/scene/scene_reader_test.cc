@@ -64,7 +64,7 @@ TEST(Transforms, CoordinateSystemsAreRecalled) {
   ExpectNear(scene.meshes.at(0).positions[0], {0, 0, -4});
 }
 
-TEST(Transforms, MotionStandsAtItsStart) {
+TEST(Transforms, MotionIsReadAtItsStart) {
   ExpectNear(Transformed("ActiveTransform EndTime Translate 9 9 9 Scale 2 2 2 Identity "
                          "ActiveTransform StartTime Translate 1 0 0 ActiveTransform All "
                          "Translate 0 0 1"),
@@ -73,7 +73,7 @@ TEST(Transforms, MotionStandsAtItsStart) {
              {2, 2, 3});
 }
 
-TEST(Transforms, WorldBeginForgetsTheCamera) {
+TEST(Transforms, WorldBeginResetsTheTransform) {
   const Scene scene = Parse(std::string("Translate 1 2 3 WorldBegin\n") + kTriangle);
   ExpectNear(scene.meshes.at(0).positions[0], {0, 0, 0});
 }
@@ -201,7 +201,7 @@ TEST(Objects, InstancesShareTheirTriangles) {
   }
 }
 
-TEST(Shapes, SphereTriangleMeshAndSubdivision) {
+TEST(Shapes, SpheresMeshesAndSubdivisionAreRead) {
   const Scene scene = Parse(
       "WorldBegin Translate 1 0 0 Shape \"sphere\" \"float radius\" 2\n"
       "Identity Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float uv\" [0 0 1 0 0 1]\n"
@@ -221,7 +221,7 @@ TEST(Shapes, SphereTriangleMeshAndSubdivision) {
   EXPECT_EQ(scene.meshes.at(4).triangles.size(), 64u);  // three levels are pbrt's default
 }
 
-TEST(Lights, FramesOfInfiniteLights) {
+TEST(Lights, InfiniteLightsHaveTheirFrames) {
   const Scene constant =
       Parse("WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2");
   ASSERT_EQ(constant.environments.size(), 1u);
@@ -370,7 +370,7 @@ TEST(ColorSpaces, AreThoseOfTheirScope) {
 }
 
 // Each of these must give at least one line that begins with its position.
-TEST(Warnings, NothingIsSkippedInSilence) {
+TEST(Warnings, EverythingSkippedIsReported) {
   for (const char* text : {"Camera \"realistic\"",
                            "Camera \"perspective\" \"float shutterspeed\" 1",
                            "Sampler \"sobol\"",
@@ -412,7 +412,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
   }
 }
 
-TEST(Warnings, NoneWithoutCause) {
+TEST(Warnings, SupportedFilesCauseNoWarnings) {
   EXPECT_EQ(
       Parse(
           "LookAt 0 0 0 0 0 1 0 1 0 Camera \"perspective\" \"float fov\" 40\n"

@@ -262,7 +262,7 @@ TEST(LoopSubdivision, BoundaryIsItsOwnCurve) {
   EXPECT_NE(before.positions[5], after.positions[5]);
 }
 
-TEST(LoopSubdivision, FlatStaysFlatAndStrangeCagesEndWell) {
+TEST(LoopSubdivision, FlatStaysFlatAndDegenerateCagesAreHandled) {
   Mesh flat = OpenPatch();
   for (glm::vec3& p : flat.positions) p.z = 0;
   for (const glm::vec3& n : Subdivided(flat, 2).normals) EXPECT_NEAR(n.z, 1, 1e-6);

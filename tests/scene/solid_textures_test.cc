@@ -30,7 +30,7 @@ TEST(GradientNoise, IsThatOfPerlin) {
 }
 
 // The space of the texture is moved and stretched.
-TEST(SolidTextures, ChecksInSpace) {
+TEST(SolidTextures, ChecksInSpaceAreEvaluated) {
   const std::string checks =
       "AttributeBegin Translate .3 .1 .2 Scale .5 .25 1 Texture \"c\" \"spectrum\" "
       "\"checkerboard\" \"integer dimension\" 3 \"rgb tex1\" [.9 .8 .7] \"rgb tex2\" [.1 .2 .3] "
@@ -284,7 +284,7 @@ TEST(SolidTextures, AreNotCombinedWithImages) {
 }
 
 // Each texture of a chain takes twice the evaluations of the one before it, or one more.
-TEST(SolidTextures, ThatTakeTooLongAreReported) {
+TEST(SolidTextures, SlowTexturesAreReported) {
   const auto warnings = [](const std::string& next, int count, const std::string& shape) {
     std::string text = "Texture \"t\" \"float\" \"fbm\"\n";
     for (int i = 0; i < count; ++i) text += "Texture \"t\" \"float\" " + next + "\n";
@@ -513,7 +513,7 @@ TEST(SolidTextures, LeaveTexelsForOthers) {
 }
 
 // A mesh without triangles shows no texture, and is no reason for a warning.
-TEST(SolidTextures, AreNotMissedWithoutTriangles) {
+TEST(SolidTextures, AMeshWithoutTrianglesCausesNoWarning) {
   const TemporaryFolder folder;
   folder.Write("empty.ply",
                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -527,7 +527,7 @@ TEST(SolidTextures, AreNotMissedWithoutTriangles) {
   EXPECT_TRUE(scene.images.empty());
 }
 
-TEST(SolidTextures, AreReportedWhereTheyCannotBe) {
+TEST(SolidTextures, ShapesOfTooManyTrianglesAreReported) {
   std::string triangles;
   for (int i = 0; i <= 1 << 18; ++i) triangles += "0 1 2 ";
   const Scene fine = Parse(

@@ -14,7 +14,7 @@ namespace skywave {
 namespace {
 
 // The plane of the checks is spanned by two vectors of the texture's space, which is turned.
-TEST(TextureMappings, PlanarChecks) {
+TEST(TextureMappings, PlanarMappingsPlaceChecks) {
   const Scene scene = ParseAll(
       "AttributeBegin Rotate 90 0 0 1 Texture \"c\" \"spectrum\" \"checkerboard\" \"string "
       "mapping\" \"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 1.5 1] \"float udelta\" .3 "

@@ -67,7 +67,7 @@ TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
   ExpectSeen(scene, material, {0.25, 0.25}, {1, 1, 1});
 }
 
-TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
+TEST_F(PbrtTextureFiles, UnsupportedTexturesAreNamed) {
   const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
   for (const std::string& texture :
        {image + " \"string mapping\" \"conical\"", image + " \"string wrap\" \"black\"",
@@ -570,7 +570,7 @@ TEST_F(PbrtTextureFiles, LieOnTrianglesWithoutCoordinates) {
   }
 }
 
-TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {
+TEST_F(ComputedTextures, IncompatibleOperandsAreNamed) {
   const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"float\" " +
                            kImage +
                            "\"float uscale\" 1.5\nTexture \"x\" \"color\" \"scale\" "

@@ -153,7 +153,7 @@ TEST(Adaptive, GoesOnFromACheckpointToTheSameBytes) {
   }
 }
 
-TEST(Adaptive, TilesAreToldWithTheSamplesOfTheirPixels) {
+TEST(Adaptive, TilesAreReportedWithTheSamplesOfTheirPixels) {
   SessionRequest session = {.limits = Limits()};
   JobRequest request = Request();
   request.options.aovs = *ParseAovs("coverage");
@@ -178,7 +178,7 @@ TEST(Adaptive, TilesAreToldWithTheSamplesOfTheirPixels) {
   EXPECT_GT(mixed, 0);
 }
 
-TEST(Adaptive, EndsAtTheErrorThatWasAskedFor) {
+TEST(Adaptive, EndsAtTheRequestedError) {
   double before = 0;
   for (const double error : {0.4, 0.2, 0.1}) {
     JobRequest request = Request();
@@ -191,7 +191,7 @@ TEST(Adaptive, EndsAtTheErrorThatWasAskedFor) {
   }
 }
 
-TEST(Adaptive, IsRefusedWhereSamplesDoNotTellTheErrorOrFilmsAreAdded) {
+TEST(Adaptive, UnsuitableIntegratorsAndMergedFilmsAreRefused) {
   for (const Integrator integrator : ValuesOf<Integrator>()) {
     SCOPED_TRACE(ToString(integrator));
     if (integrator == Integrator::kPath || integrator == Integrator::kDirect) {
@@ -388,7 +388,7 @@ TEST(Adaptive, TheSameRunsFindTheBiasOfBlocksThatJudgeThemselves) {
 }
 
 // With an error that everything has, all blocks end at their first look.
-TEST(Adaptive, BlocksEndAtTheLeastSamplesThatAreAskedFor) {
+TEST(Adaptive, BlocksEndAtTheLeastSamplesRequested) {
   for (const std::uint32_t least : {5u, 12u}) {
     const RenderedFilm rendered =
         Rendered(Request(), {.limits = {.adaptive = 1000, .adaptive_min = least}});

@@ -115,7 +115,7 @@ TEST(Aovs, PositionsAreOnTheSurface) {
   EXPECT_NEAR(x[10 * 20 + 9], 2, 1e-5);
 }
 
-TEST(Aovs, SayWhatTheCameraSees) {
+TEST(Aovs, LayersShowWhatTheCameraSees) {
   JobRequest request = SmallRequest(20, 20, 16);
   request.filter = PixelFilter::kBox;
   const Layers layers = Resolve(MakeJob(TwoWalls(), request, "all"));

@@ -278,7 +278,7 @@ TEST(BounceGuide, SharesNoDirectionsOfGloss) {
   EXPECT_EQ(by_metal.back(), 0);
 }
 
-TEST(BounceGuide, LeavesWhatAUniformHasLeft) {
+TEST(BounceGuide, TheRestOfAUniformIsUniform) {
   GuidedRows rows;
   for (std::uint32_t i = 0; i < kRows; ++i) {
     rows.guide->share[i] = 0.3f;
@@ -394,7 +394,7 @@ TEST(BouncePilot, KeepsLightSamplesAlone) {
 TEST(BouncePilot, KeepsEveryMaterial) { ExpectSameGuided(BuiltinScene("materials"), "importance"); }
 TEST(BouncePilot, KeepsScreensAndNormalMaps) { ExpectSameGuided(ScreensScene(), "importance"); }
 
-TEST(BouncePilot, IsForPathsFromTheCameraAlone) {
+TEST(BouncePilot, UnsupportedCombinationsAreRefused) {
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kBdpt}) {
     JobRequest request = Request(true);
     request.integrator = integrator;

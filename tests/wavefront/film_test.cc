@@ -222,7 +222,7 @@ TEST(Film, HoldsTheBrightestFloats) {
   EXPECT_EQ(stats.clamped_samples + stats.invalid_samples, 0u);
 }
 
-TEST(Film, OfNoSamplesIsBlack) {
+TEST(Film, AFilmWithoutSamplesIsBlack) {
   const Film film(3, 2, 5);
   const Image image = film.Resolve(0);
   EXPECT_EQ(image.width, 3);
@@ -251,7 +251,7 @@ Splats SplatsOf(const std::vector<Sample>& samples) {
   return splats;
 }
 
-TEST(FilmSplats, AreSamplesOfAnyPixelInAnyOrderAndThread) {
+TEST(FilmSplats, SumsDoNotDependOnOrderOrThread) {
   constexpr std::uint32_t kPixels = 24;
   const std::vector<Sample> samples = WildSamples(6000, kPixels);
   const Splats splats = SplatsOf(samples);

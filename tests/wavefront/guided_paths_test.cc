@@ -233,7 +233,7 @@ PictureEstimate Estimate(const Scene& scene, Integrator integrator, bool guided,
   return EstimateFromEngine(job, runs, 300 + 100 * std::uint32_t(integrator) + guided);
 }
 
-TEST(GuidedPictures, AreThoseOfPathTracing) {
+TEST(GuidedPictures, MatchPathTracing) {
   constexpr int kRuns = 12;
   for (const bool lamps : {false, true}) {
     SCOPED_TRACE(lamps);
@@ -251,7 +251,7 @@ TEST(GuidedPictures, AreThoseOfPathTracing) {
   }
 }
 
-TEST(GuidedPictures, AreTheSameOverMirrorsAndLessNoisy) {
+TEST(GuidedPictures, HaveTheSameExpectationOverMirrorsAndLessNoise) {
   constexpr int kRuns = 12;
   const PictureEstimate even = Estimate(Hut(), Integrator::kBdpt, false, kRuns, 64);
   const PictureEstimate guided = Estimate(Hut(), Integrator::kBdpt, true, kRuns, 64);
@@ -264,7 +264,7 @@ TEST(GuidedPictures, AreTheSameOverMirrorsAndLessNoisy) {
 }
 
 // With photons, seen directly or by a final gather, more passes come closer to paths.
-TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
+TEST(GuidedPictures, ConvergeToPathTracingByPassesOfPhotons) {
   Scene scene = Hut();
   scene.meshes.pop_back();
   const auto estimate = [&](const JobRequest& request, int runs) {
@@ -290,7 +290,7 @@ TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
 }
 
 // The bias of the radius vanishes in the noise, in mirrors too.
-TEST(GuidedPictures, AreThoseOfPathsWhereVerticesAreMerged) {
+TEST(GuidedPictures, MatchPathTracingWithMergedVertices) {
   constexpr int kRuns = 12;
   JobRequest request = Request(Integrator::kVcm, 24);
   request.options.photons.distance = 0.03f;

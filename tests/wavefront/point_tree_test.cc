@@ -156,7 +156,7 @@ void ExpectPointsAt(const Cloud& cloud, const Point& query, const Result& result
 
 constexpr float kRadii2[] = {0, 1e-6f, 0.01f, 0.5f, 1e30f};
 
-TEST(PointTree, NearestAreThoseOfAllPoints) {
+TEST(PointTree, NearestMatchASearchOfAllPoints) {
   for (const Cloud& cloud : Clouds()) {
     const PointTree tree = MakeTree(cloud.points);
     const std::vector<Point> queries = Queries(cloud);

@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 // Every camera ray hits a wall, so the layer coverage knows how many samples a pixel has.
-TEST(SamplesByPixel, AreThoseInTheFilm) {
+TEST(SamplesByPixel, MatchTheFilm) {
   Scene scene;
   Place(scene, Quad(4), AddLambert(scene, "wall", glm::vec3(0.5f)), {0, 0, 0}, 0);
   scene.camera = LookAtCamera({0, 1, 0}, {0, 0, 0}, {0, 0, 1}, 60, false);

@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::uint32_t kRows = 40;
 
-TEST(Views, NameTheMemoryOfTheirTables) {
+TEST(Views, PointIntoTheirTables) {
   const Worker w(kRows);
   const Scratch& s = w.scratch;
   EXPECT_EQ(FilmUniforms(s)->u, s.first->u);
@@ -56,7 +56,7 @@ TEST(Views, NameTheMemoryOfTheirTables) {
 }
 
 // Stages hold these at the same time. Checked builds abort if two of them share a column.
-TEST(Views, OfAStageAreApart) {
+TEST(Views, ViewsOfAStageDoNotOverlap) {
   const Worker w(kRows);
   const Scratch& s = w.scratch;
   {
@@ -96,7 +96,7 @@ TEST(Views, MayHoldNothing) {
   EXPECT_TRUE(LightReach(Scratch(kRows)).limited());
 }
 
-TEST(Views, AreMoved) {
+TEST(Views, MovingTransfersTheColumn) {
   const Scratch s(kRows);
   LightReach reach(s);
   reach->distance[3] = 7;
@@ -136,7 +136,7 @@ TEST(ViewsDeathTest, BorrowingTwiceAborts) {
   const Borrowed<HitColumns> padding(behind, 1, "padding");
 }
 
-TEST(Views, PoisonTheirColumnsBehindThem) {
+TEST(Views, PoisonTheirColumnsWhenTheyEnd) {
   const Worker w(kRows);
   const Scratch& s = w.scratch;
   const std::vector<std::uint32_t> zeros(kPadRows);
@@ -168,7 +168,7 @@ TEST(Views, PoisonTheirColumnsBehindThem) {
 
 #else
 
-TEST(Views, AreTheirPointers) {
+TEST(Views, AreAsSmallAsTheirPointers) {
   EXPECT_EQ(sizeof(LightPlaces), sizeof(HitColumns));
   EXPECT_EQ(sizeof(LightReach), sizeof(float*));
   EXPECT_TRUE(std::is_trivially_destructible_v<LightPlaces>);
@@ -246,7 +246,7 @@ void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint3
   EXPECT_EQ(sums[0], sums[1]);
 }
 
-TEST(Waves, ReadNothingThatOthersHaveLeft) {
+TEST(Waves, ReadNoValuesOfEarlierWaves) {
   for (const std::string scene : {"materials", "lamps", "screens"}) {
     SCOPED_TRACE(scene);
     JobRequest request = SmallRequest(16, 12, 4);

@@ -48,7 +48,7 @@ TYPED_TEST(Soa, ColumnsAreAlignedAndCleared) {
 }
 
 // Every value of every column, padding included, can be written without affecting another.
-TYPED_TEST(Soa, ColumnsAreApart) {
+TYPED_TEST(Soa, ColumnsDoNotOverlap) {
   for (const std::uint32_t rows : kRows) {
     const soa::Table<TypeParam> table(rows);
     TypeParam columns = table;
@@ -75,7 +75,7 @@ TEST(SoaCounts, CountColumnsAndBytes) {
   static_assert(soa::CountColumns<UniformColumns>() == 2);
 }
 
-TEST(SoaCounts, PaddingHoldsAVectorBehindAnyRow) {
+TEST(SoaCounts, PaddingHoldsAVectorAfterAnyRow) {
   for (std::uint32_t rows = 0; rows < 200; ++rows) {
     EXPECT_GE(PaddedRows(rows), rows + kPadRows);
     EXPECT_EQ(PaddedRows(rows) % kPadRows, 0u);

@@ -67,7 +67,7 @@ void ExpectOracles(const Scene& scene, const JobRequest& request) {
                           EstimateFromOracle(scene, job, 4 * kRuns), kLevel));
 }
 
-TEST(Split, PicturesAreTheOraclesAtEveryDepth) {
+TEST(Split, PicturesMatchTheOracleAtEveryDepth) {
   Scene scene = Balls();
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 8u}) {
@@ -76,7 +76,7 @@ TEST(Split, PicturesAreTheOraclesAtEveryDepth) {
   }
 }
 
-TEST(Split, PicturesWithoutMisAreTheOracles) {
+TEST(Split, PicturesWithoutMisMatchTheOracle) {
   Scene scene = Balls();
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
   JobRequest request = Request(4, 3, 5);
@@ -84,7 +84,7 @@ TEST(Split, PicturesWithoutMisAreTheOracles) {
   ExpectOracles(scene, request);
 }
 
-TEST(Split, PicturesWithLocalLightsAndAlphaAreTheOracles) {
+TEST(Split, PicturesWithLocalLightsAndAlphaMatchTheOracle) {
   Scene scene = ScreensScene();
   for (Material& material : scene.materials) {
     if (material.opaque()) continue;
@@ -95,7 +95,7 @@ TEST(Split, PicturesWithLocalLightsAndAlphaAreTheOracles) {
 
 // Another strategy lights everything after the first hit: rays from there to the environment are
 // weighted against the light samples with which they compete.
-TEST(Split, PicturesByTwoStrategiesAreTheOracles) {
+TEST(Split, PicturesByTwoStrategiesMatchTheOracle) {
   Scene scene = Balls();
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
   for (const auto& [first, behind] :
@@ -109,7 +109,7 @@ TEST(Split, PicturesByTwoStrategiesAreTheOracles) {
 }
 
 // One continuation with one light sample uses the random numbers of a path that does not split.
-TEST(Split, IntoOneIsThePathItself) {
+TEST(Split, SplittingIntoOneEqualsThePath) {
   const Scene scene = BuiltinScene("gallery");
   const RenderJob split(scene, Request(1, 1, 8)), path(scene, Request(0, 1, 8));
   const Image a = Render(split, split.frame()).Resolve(kSamples);
@@ -255,7 +255,7 @@ TEST(Split, CountsCameraSamples) {
   EXPECT_GT(stats.rays[std::uint32_t(RayKind::kBounce)], 2 * stats.samples);
 }
 
-TEST(Split, WhatCannotBeIsRefused) {
+TEST(Split, UnsupportedCombinationsAreRefused) {
   const Scene scene = BuiltinScene("spheres");
   JobRequest direct = Request(4, 1, 3);
   direct.integrator = Integrator::kDirect;

@@ -133,7 +133,7 @@ TEST(StrategyPilot, ChoosesBeforeThereIsACache) {
   EXPECT_EQ(chosen.sums, RenderInside(request).sums);
 }
 
-TEST(StrategyPilot, NothingIsChosenWhereLightPathsStart) {
+TEST(StrategyPilot, NothingIsChosenForLightPaths) {
   JobRequest request = Request("auto");
   request.integrator = Integrator::kPhoton;
   request.options.photons.indirect = request.options.photons.caustic = 100;

@@ -130,7 +130,7 @@ class Trace : public testing::TestWithParam<Kind> {
   Geometry geometry{scene, "clutter", 2};
 };
 
-TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
+TEST_P(Trace, AllBackendsFindTheSameClosestHits) {
   for (const std::uint32_t n : {1u, 2u, 7u, 8u, 17u, kFullWave, 20000u}) {
     const std::vector<TestRay> rays = Rays(scene, GetParam(), n);
     std::vector<std::uint32_t> first;
@@ -151,7 +151,7 @@ TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
   }
 }
 
-TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
+TEST_P(Trace, OcclusionMatchesTheClosestHitForAllBackends) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), 20000);
   Wave closest(rays);
   TraceClosest(TracerOf(Backend::kSingle), RayKind::kBounce, closest.rays, closest.rays.rows(),
@@ -177,7 +177,7 @@ TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
 
 // The hits of a beam depend on its own rays alone, not on the backend or on neighbouring beams.
 // Here its rays are incoherent, so that hits at edges do depend on the other rays of the beam.
-TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
+TEST_P(Trace, BeamsHaveTheSameBitsInAnyWave) {
   constexpr std::uint32_t n = 20000, some = 3 * kBeamRays;
   const std::vector<TestRay> rays = Rays(scene, GetParam(), n);
   Wave all(rays);
@@ -207,7 +207,7 @@ TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
 }
 
 // Rows after the last ray keep their values.
-TEST_P(Trace, CountsAreKept) {
+TEST_P(Trace, RowsAfterTheLastKeepTheirValues) {
   for (const std::uint32_t n : kRowCounts) {
     const std::vector<TestRay> rays = Rays(scene, GetParam(), kFullWave + 30);
     for (const Backend backend : kBackends) {

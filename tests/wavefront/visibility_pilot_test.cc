@@ -65,7 +65,7 @@ PictureEstimate Estimate(JobRequest request) {
   return EstimateFromEngine(RenderJob(RoomUnderSkylight(), request), 12, 70);
 }
 
-TEST(VisibilityPilot, PicturesAreThoseOfOtherStrategies) {
+TEST(VisibilityPilot, PicturesMatchOtherStrategies) {
   const PictureEstimate plain = Estimate(Request("importance"));
   EXPECT_TRUE(SamePicture(plain, Estimate(Request("visibility")), SidakLevel(3)));
   EXPECT_TRUE(SamePicture(plain, Estimate(Request("visibility:compensate=0")), SidakLevel(3)));
