@@ -34,6 +34,10 @@ LIST = SOURCE / "tests" / "mutations.toml"
 QUIET = "".join(f'#pragma GCC diagnostic ignored "-Wunused-{kind}"\n'
                 for kind in ("variable", "but-set-variable", "parameter", "function"))
 KEYS = {"name", "file", "find", "put", "tests", "why"}
+MAY_HAVE = {"within", "unseen"}
+# What matters to the nesting of braces; strings, characters and comments are passed over.
+CODE = re.compile(r'//[^\n]*|/\*.*?\*/|R"\((?:.*?)\)"|"(?:\\.|[^"\\])*"|'
+                  r"(?<!\w)'(?:\\.|[^'\\])+'|[{};]", re.S)
 PYTHON = "python_"  # how ctest calls the programs of tests/python
 
 
@@ -62,17 +66,86 @@ def is_known(program):
                      (SOURCE / "tests/CMakeLists.txt").read_text())
 
 
+def file_of(mutation, tree=SOURCE):
+    """The file of a fault; one that has moved is found by its name, if no other file has it."""
+    path = tree / mutation["file"]
+    if path.exists():
+        return path
+    top = {entry.name for entry in tree.iterdir() if entry.is_dir()} - {".git", "build", "tests"}
+    found = [p for folder in sorted(top) for p in (tree / folder).rglob(path.name)]
+    return found[0] if len(found) == 1 else None
+
+
+def end_of_block(text, start):
+    """The end of the C++ block whose first brace is the first one from `start` on; None if a
+    semicolon comes first, as in a declaration or a call."""
+    depth = 0
+    for token in CODE.finditer(text, start):
+        if token[0] == "{":
+            depth += 1
+        elif token[0] == "}":
+            depth -= 1
+            if depth <= 0:
+                return token.end()
+        elif token[0] == ";" and depth == 0:
+            return None
+    return None
+
+
+def functions(text, name, suffix):
+    """The ranges of the definitions of `name`: a function ("Film::Add" or "Add"), or "struct X"."""
+    if suffix == ".py":
+        found = re.finditer(rf"^( *)(?:def|class) {re.escape(name)}\b.*\n(?:\1 .*\n|\s*\n)*", text,
+                            re.M)
+        return [match.span() for match in found]
+    opening = r"\b" if name.startswith(("struct ", "class ")) else r"\s*\("
+    ranges = []
+    for match in re.finditer(rf"(?<![\w:]){re.escape(name)}{opening}|"
+                             rf"(?<=::){re.escape(name)}{opening}", text):
+        end = end_of_block(text, match.end())
+        # A call in the condition of a block has that block as its range, within its function's.
+        if end and not any(a <= match.start() < b for a, b in ranges):
+            ranges.append((match.start(), end))
+    return ranges
+
+
+def places(mutation, text, suffix):
+    """Where the text of a fault stands. White space counts in Python alone: C++ may be formatted
+    otherwise."""
+    find = mutation["find"]
+    if suffix == ".py":
+        pattern = re.escape(find)
+    else:
+        words = re.findall(r"\w+|[^\w\s]", find)
+        pattern = re.escape(words[0])
+        for before, word in zip(words, words[1:]):
+            pattern += (r"\s+" if re.match(r"\w", before) and re.match(r"\w", word) else r"\s*")
+            pattern += re.escape(word)
+        pattern = r"\b" * bool(re.match(r"\w", words[0])) + pattern
+        pattern += r"\b" * bool(re.match(r"\w", words[-1]))
+    within = mutation.get("within")
+    ranges = functions(text, within, suffix) if within else [(0, len(text))]
+    return [match.span() for match in re.finditer(pattern, text)
+            if any(a <= match.start() and match.end() <= b for a, b in ranges)]
+
+
+def with_fault(mutation, text, suffix):
+    (begin, end), = places(mutation, text, suffix)
+    return text[:begin] + mutation["put"] + text[end:]
+
+
 def complaints(mutation, names):
     """What makes an entry of the list useless."""
-    if not KEYS <= set(mutation) <= KEYS | {"unseen"}:
+    if not KEYS <= set(mutation) <= KEYS | MAY_HAVE:
         yield f"needs {', '.join(sorted(KEYS))}"
         return
     if mutation["name"] in names:
         yield "has the name of another entry"
-    path = SOURCE / mutation["file"]
-    count = path.read_text().count(mutation["find"]) if path.exists() else 0
+    path = file_of(mutation)
+    count = len(places(mutation, path.read_text(), path.suffix)) if path else 0
     if count != 1:
-        yield f"{mutation['file']} has its text {count} times instead of once"
+        where = f"{mutation['within']} in " if "within" in mutation else ""
+        yield f"{where}{mutation['file']} has its text {count} times instead of once"
     if mutation["find"] == mutation["put"] or not mutation["tests"]:
         yield "changes nothing or names no test"
     for program, cases in map(split_test, mutation["tests"]):
@@ -214,10 +287,10 @@ def without_faults(build, mutations):
 
 def seed(build, mutation, broken):
     """Makes one fault; returns "seen", "survived" or "does not build", and by what."""
-    path = build.tree / mutation["file"]
+    path = file_of(mutation, build.tree)
     text = path.read_text()
     try:
-        path.write_text(QUIET + text.replace(mutation["find"], mutation["put"]))
+        path.write_text(QUIET + with_fault(mutation, text, path.suffix))
         made = build.make(mutation["tests"])
         if made.returncode:
             return "does not build", "\n" + made.stdout[-3000:]
