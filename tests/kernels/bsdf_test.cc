@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -264,151 +262,6 @@ INSTANTIATE_TEST_SUITE_P(All, DenseBsdf,
                                           testing::Range(std::size_t{0}, std::size(kCosines))),
                          CaseName);
 
-TEST(BsdfEnergy, LambertReflectsItsColor) {
-  for (const double cosine : kCosines) {
-    const auto albedo = Albedo(Materials()[1], cosine);
-    EXPECT_NEAR(albedo[0], 0.8, 1e-5);
-    EXPECT_NEAR(albedo[1], 0.05, 1e-6);
-    EXPECT_EQ(albedo[2], 0);
-  }
-}
-
-// This is a furnace test: a conductor that absorbs nothing reflects everything, at every width and
-// angle. The error of Kulla and Conty's lobe comes from interpolation in its 32 x 32 table: at most
-// 0.48 % from cosine 0.1 up (at alpha 0.017) and 1.7 % below (at alpha 0.004, cosine 0.015) were
-// measured.
-TEST(BsdfEnergy, WhiteConductorLosesNothing) {
-  for (int a = 0; a <= 40; ++a) {
-    const float alpha = float(0.001 + 0.999 * (a / 40.0) * (a / 40.0));
-    const MaterialCase white = {"", BsdfKind::kConductor, WhiteConductor(alpha)};
-    for (const double cosine : {1.0, 0.95, 0.8, 0.6, 0.4, 0.25, 0.15, 0.1, 0.06, 0.03, 0.015}) {
-      EXPECT_NEAR(Albedo(white, cosine)[1], 1, cosine >= 0.1 ? 6e-3 : 2e-2)
-          << "alpha " << alpha << ", cosine " << cosine;
-    }
-  }
-}
-
-// So does brushed metal. Interpolation in the table of two widths makes errors of 1 %, or of 1.5 %
-// where one width is six times the other or more, and up to 2.5 times these at grazing angles.
-TEST(BsdfEnergy, WhiteBrushedMetalLosesNothing) {
-  for (const float along : {0.03f, 0.1f, 0.3f, 0.6f, 1.0f}) {
-    for (const float across : {0.05f, 0.2f, 0.45f, 0.8f, 1.0f}) {
-      MaterialRecord record = {.color = {1, 1, 1}, .alpha = along, .ior = across};
-      record = Keeping(record);
-      const bool extreme = std::max(along, across) > 5.9f * std::min(along, across);
-      const double bound = extreme ? 1.5e-2 : 1e-2;
-      for (const double turn : {0.0, 0.4, 0.8, 1.2, kPi / 2}) {
-        const MaterialCase white = {"", BsdfKind::kAnisotropicConductor, record, false, turn};
-        for (const double cosine : {1.0, 0.8, 0.5, 0.3, 0.15, 0.1, 0.03}) {
-          EXPECT_NEAR(Albedo(white, cosine)[1], 1, cosine >= 0.1 ? bound : 2.5 * bound)
-              << "widths " << along << " and " << across << ", turned by " << turn << ", cosine "
-              << cosine;
-        }
-      }
-    }
-  }
-}
-
-// Reflectance and transmittance of white rough glass add up to 1 on both of its sides, also with a
-// table for all widths (by rows).
-TEST(BsdfEnergy, WhiteRoughGlassLosesNothing) {
-  for (const float ior : {1.1f, 1.33f, 1.5f, 2.0f, 0.6f}) {
-    const DielectricTable all_widths = MakeDielectricTable(ior);
-    for (const float alpha : {0.02f, 0.1f, 0.2f, 0.37f, 0.6f, 0.85f, 1.0f}) {
-      const Material glass = RoughGlass(alpha, ior);
-      const MaterialRecord records[] = {RecordOfGlass(glass, MakeDielectricTable(alpha, ior)),
-                                        RecordOfGlass(glass, all_widths)};
-      for (const MaterialRecord& record : records) {
-        for (const bool back : {false, true}) {
-          const MaterialCase milky = {"", BsdfKind::kRoughDielectric, record, back};
-          for (const double cosine : {1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03}) {
-            EXPECT_NEAR(Albedo(milky, cosine)[0], 1, cosine >= 0.1 ? 6e-3 : 1.5e-2)
-                << "ior " << ior << ", alpha " << alpha << (back ? ", inside" : ", outside")
-                << ", cosine " << cosine << (&record == records ? ", own table" : "");
-          }
-        }
-      }
-    }
-  }
-}
-
-// So does glass of two widths, whose rows are azimuths.
-TEST(BsdfEnergy, WhiteGroundGlassLosesNothing) {
-  for (const auto [along, across, ior] : {std::array{0.05f, 0.3f, 1.5f},
-                                          {0.6f, 0.15f, 1.5f},
-                                          {1.0f, 0.4f, 1.2f},
-                                          {0.3f, 0.9f, 0.7f}}) {
-    Material glass = RoughGlass(along, ior);
-    glass.alpha_across = across;
-    const MaterialRecord record = RecordOfGlass(glass, MakeDielectricTable(along, across, ior));
-    for (const bool back : {false, true}) {
-      for (const double turn : {0.0, 0.4, 0.8, 1.2, kPi / 2}) {
-        const MaterialCase ground = {"", BsdfKind::kRoughDielectric, record, back, turn};
-        for (const double cosine : {1.0, 0.75, 0.45, 0.2, 0.1, 0.03}) {
-          EXPECT_NEAR(Albedo(ground, cosine)[0], 1, 1e-2)
-              << "ior " << ior << ", widths " << along << " and " << across
-              << (back ? ", inside" : ", outside") << ", turn " << turn << ", cosine " << cosine;
-        }
-      }
-    }
-  }
-}
-
-// Rough glass lets as much diffuse light through as the smooth interface (Walsh 1926) where both
-// sides lose alike, and no side more.
-TEST(BsdfEnergy, DiffuseTransmittanceIsThatOfWalsh) {
-  for (const double n : {1.1, 1.33, 1.5, 2.0, 2.4}) {
-    const double n2 = n * n, n4 = n2 * n2;
-    const double reflected =
-        0.5 + (n - 1) * (3 * n + 1) / (6 * (n + 1) * (n + 1)) +
-        n2 * (n2 - 1) * (n2 - 1) / std::pow(n2 + 1, 3) * std::log((n - 1) / (n + 1)) -
-        2 * n2 * n * (n2 + 2 * n - 1) / ((n2 + 1) * (n4 - 1)) +
-        8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
-    EXPECT_NEAR(DiffuseTransmittance(float(n)), 1 - reflected, 1e-4) << "index " << n;
-    // What enters is what leaves: n^2 as many rays are inside.
-    EXPECT_NEAR(DiffuseTransmittance(float(1 / n)) * n2, 1 - reflected, 3e-4) << "index " << n;
-  }
-}
-
-// White bodies under their coat, white metals and all their mixtures pass the furnace test too, for
-// any index; the coat alone, over black, reflects less than it receives.
-TEST(BsdfEnergy, WhiteMetallicRoughnessLosesNothing) {
-  for (const float metallic : {0.0f, 0.3f, 1.0f}) {
-    for (const float ior : {1.0f, 1.5f, 2.2f}) {
-      for (int a = 0; a <= 12; ++a) {
-        const float alpha = float(0.001 + 0.999 * (a / 12.0) * (a / 12.0));
-        MaterialRecord record = MetallicRoughness(alpha, metallic);
-        for (float& channel : record.color) channel = 1;
-        record.ior = ior;
-        const MaterialCase white = {"", BsdfKind::kMetallicRoughness, record};
-        for (const double cosine : {1.0, 0.8, 0.5, 0.25, 0.1, 0.03}) {
-          EXPECT_NEAR(Albedo(white, cosine)[1], 1, cosine >= 0.1 ? 1e-2 : 4e-2)
-              << "metallic " << metallic << ", ior " << ior << ", alpha " << alpha << ", cosine "
-              << cosine;
-        }
-      }
-    }
-  }
-  MaterialRecord black = MetallicRoughness(0.3f, 0);
-  for (float& channel : black.color) channel = 0;
-  const double coat = Albedo({"", BsdfKind::kMetallicRoughness, black}, 1)[1];
-  EXPECT_GT(coat, 0.035);
-  EXPECT_LT(coat, 0.05);
-}
-
-// The materials are rough white clay and a sheet that absorbs nothing.
-TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
-  for (const double cosine : kCosines) {
-    for (const float roughness : {0.0f, 0.3f, 1.0f}) {
-      const MaterialRecord clay = {.color = {1, 1, 1}, .alpha = roughness};
-      EXPECT_NEAR(Albedo({"", BsdfKind::kOrenNayar, clay}, cosine)[1], 1, 2e-3)
-          << "roughness " << roughness << ", cosine " << cosine;
-    }
-    const MaterialRecord sheet = {.color = {0.3f, 0.3f, 0.3f}, .eta = {0.7f, 0.7f, 0.7f}};
-    EXPECT_NEAR(Albedo({"", BsdfKind::kDiffuseTransmission, sheet}, cosine)[1], 1, 1e-4);
-  }
-}
-
 // The energy of single-scattering facets must be that of their formula, summed over cells in
 // double. The kernels deviate by the errors of both sums, about 1e-4 each. Narrow lobes keep nearly
 // all energy.
@@ -440,28 +293,6 @@ TEST(BsdfEnergy, FacetsKeepWhatTheirFormulaKeeps) {
       if (material.record.alpha < 0.1 && material.kind != BsdfKind::kRoughDielectric) {
         EXPECT_GT(kept, 0.99) << cosine;
       }
-    }
-  }
-}
-
-TEST(BsdfEnergy, NoMaterialReflectsMoreThanItGets) {
-  for (const MaterialCase& material : Materials()) {
-    for (const double cosine : kCosines) {
-      for (const double channel : Albedo(material, cosine)) {
-        EXPECT_LE(channel, 1.01) << material.name << " at cosine " << cosine;
-      }
-    }
-  }
-}
-
-// At a smooth surface, gold's albedo is its Fresnel reflectance, computed here in complex numbers.
-TEST(BsdfEnergy, SmoothGoldReflectsByFresnel) {
-  const MaterialRecord gold = GoldConductor(0.001f);
-  for (const double cosine : kCosines) {
-    const auto albedo = Albedo({"", BsdfKind::kConductor, gold}, cosine);
-    for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(albedo[c], FresnelReflectance(cosine, {gold.eta[c], gold.k[c]}), 2e-3)
-          << "channel " << c << ", cosine " << cosine;
     }
   }
 }

@@ -12,6 +12,7 @@
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/rendered_image.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/irradiance/irradiance_cache.h"
@@ -26,13 +27,6 @@ JobRequest Request(int width, int height, std::uint32_t samples) {
   request.integrator = Integrator::kIrradianceCache;
   request.max_depth = 4;
   return request;
-}
-
-Image Render(const Scene& scene, const JobRequest& request) {
-  const RenderJob job(scene, request);
-  Film film = job.MakeFilm();
-  RenderFrame(job.frame(), film);
-  return film.Resolve(job.options().samples_per_pixel);
 }
 
 std::vector<IrradianceRecord> RecordsOf(const RenderJob& job) {

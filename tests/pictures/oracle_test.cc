@@ -8,15 +8,14 @@
 #include <functional>
 #include <ostream>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "lights/strategies/strategy.h"
-#include "scene/shapes/mesh.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/same_as_oracle.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
@@ -24,12 +23,6 @@
 
 namespace skywave {
 namespace {
-
-constexpr int kRuns = 16;
-constexpr std::uint32_t kSamples = 32;  // per run
-constexpr int kWidth = 32, kHeight = 24;
-// This many comparisons of pictures share the level of the suite.
-const double kLevel = SidakLevel(100);
 
 // The scenes show two objects of the tested material on a floor.
 
@@ -92,19 +85,6 @@ Scene TwoBalls(const MaterialCase& material) {
   Place(scene, Facetted(Sphere(0.8f, 3)), index, {0.95f, 0.8f, 0.2f}, 20);
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.65f, 0}, {0, 1, 0}, 36, false);
   return scene;
-}
-
-JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
-  JobRequest request = SmallRequest(kWidth, kHeight, kSamples);
-  request.integrator = integrator;
-  request.max_depth = max_depth;
-  return request;
-}
-
-void ExpectSame(const Scene& scene, const JobRequest& request) {
-  const RenderJob job(scene, request);
-  EXPECT_TRUE(SamePicture(EstimateFromEngine(job, kRuns, 100),
-                          EstimateFromOracle(scene, job, kRuns), kLevel));
 }
 
 class EveryMaterial : public testing::TestWithParam<MaterialCase> {};
@@ -372,30 +352,6 @@ TEST(OraclePictures, EveryDepthOfBothIntegratorsAgrees) {
   }
 }
 
-// In closed bodies the index ratios of the two sides cancel; here light crosses one side only, into
-// the glass or out of it, before it reaches environment, floor or eye.
-TEST(OraclePictures, LightThatCrossesOneSideOfAGlassAgrees) {
-  for (const bool upside_down : {false, true}) {
-    SCOPED_TRACE(upside_down);
-    Scene scene;
-    Place(scene, Quad(8), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), {0, -1, 0});
-    Mesh sheet = Quad(1.5f);
-    if (upside_down) FlipOrientation(sheet);
-    Place(scene, sheet, AddGlass(scene, 1.5f), {0, 0.2f, 0});
-    SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
-    scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0, 0}, {0, 1, 0}, 40, false);
-    ExpectSame(scene, Request(Integrator::kPath, 6));
-  }
-}
-
-TEST(OraclePictures, TheEyeWithinGlassAgrees) {
-  Scene scene;
-  Place(scene, Sphere(2, 8), AddGlass(scene, 1.5f), glm::vec3(0));
-  SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
-  scene.camera = LookAtCamera({0.5f, 0.2f, 1}, {0, 0.3f, 0}, {0, 1, 0}, 70, false);
-  ExpectSame(scene, Request(Integrator::kPath, 20));
-}
-
 // The normals of open sheets lean by up to 60 degrees; nothing behind them hides leaks.
 TEST(OraclePictures, NormalsThatLeanFarAgree) {
   for (const MaterialCase& material : {kLambert, kRoughGold, kMirror, kGlass}) {
@@ -423,29 +379,6 @@ TEST(OraclePictures, EveryFilterAgrees) {
     SCOPED_TRACE(ToString(filter));
     JobRequest request = Request(Integrator::kDirect, 1);
     request.filter = filter;
-    ExpectSame(scene, request);
-  }
-}
-
-TEST(OraclePictures, AlphaAndReliefAgree) {
-  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
-    JobRequest request = Request(integrator, 4);
-    request.options.light_samples = 2;
-    ExpectSame(ScreensScene(), request);
-  }
-}
-
-// Every screen emits where it is, and so does the environment.
-TEST(OraclePictures, AlphaInLightsAgrees) {
-  Scene scene = ScreensScene();
-  for (Material& material : scene.materials) {
-    if (material.opaque()) continue;
-    material.emission = {0.9f, 1.5f, 2};
-    material.emits_on_both_sides = true;
-  }
-  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
-    JobRequest request = Request(integrator, 3);
-    request.options.light_samples = 2;
     ExpectSame(scene, request);
   }
 }

@@ -17,6 +17,7 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/refused.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/rendered_image.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
@@ -35,12 +36,6 @@ JobRequest Request(int width, int height, std::uint32_t samples, std::uint32_t m
   request.options.photons.indirect = 40000;
   request.options.photons.caustic = 20000;
   return request;
-}
-
-Image Render(const RenderJob& job) {
-  Film film = job.MakeFilm();
-  RenderFrame(job.frame(), film);
-  return film.Resolve(job.options().samples_per_pixel);
 }
 
 std::array<double, 3> MeanOf(const Image& image) {

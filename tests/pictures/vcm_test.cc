@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "base/error.h"
-#include "scene/shapes/mesh.h"
 #include "tests/support/matt_room.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/refused.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/rendered_image.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
@@ -40,18 +40,6 @@ JobRequest Request(std::uint32_t max_depth, float radius) {
   return request;
 }
 constexpr float kSmallRadius = 0.02f;
-
-Image Render(const RenderJob& job) {
-  Film film = job.MakeFilm();
-  RenderFrame(job.frame(), film);
-  return film.Resolve(job.options().samples_per_pixel);
-}
-
-double MeanOf(const Image& image, std::size_t channel) {
-  double sum = 0;
-  for (std::size_t i = channel; i < image.rgb.size(); i += 3) sum += double(image.rgb[i]);
-  return 3 * sum / double(image.rgb.size());
-}
 
 class VcmLights : public testing::TestWithParam<int> {};
 

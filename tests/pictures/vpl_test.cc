@@ -1,13 +1,10 @@
 // Compares virtual point lights with closed forms, path tracing and themselves.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
-
-#include "scene/builtin/builtin.h"
 #include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/rendered_image.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
@@ -21,19 +18,6 @@ JobRequest Request(int width, int height, std::uint32_t samples, float distance)
   request.max_depth = 4;
   request.options.virtual_lights = {.count = 16, .distance = distance};
   return request;
-}
-
-Image Render(const Scene& scene, const JobRequest& request) {
-  const RenderJob job(scene, request);
-  Film film = job.MakeFilm();
-  RenderFrame(job.frame(), film);
-  return film.Resolve(job.options().samples_per_pixel);
-}
-
-double MeanOf(const Image& image, std::size_t channel) {
-  double sum = 0;
-  for (std::size_t i = channel; i < image.rgb.size(); i += 3) sum += double(image.rgb[i]);
-  return 3 * sum / double(image.rgb.size());
 }
 
 // Inside a ball of radius 1, the cosines at both ends over the squared distance are the same for
