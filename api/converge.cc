@@ -28,7 +28,7 @@ std::string Converge(Scene scene, const Options& options, const ProgressCallback
         job, *request, [&](const std::string&, std::uint64_t total, const WatchedWork& work) {
           Watch(total, work, progress);
         });
-    return Json(report).dump(2);
+    return JsonText(report);
   });
 }
 

@@ -40,7 +40,7 @@ std::string EncodePng(const ImageArray& image, float exposure, const std::string
 std::string Compare(const ImageArray& image, const ImageArray& reference) {
   return Translated([&] {
     const skywave::Image a = CopyImage(image, "image"), b = CopyImage(reference, "reference");
-    return Json(skywave::Compare(a, b), HdrFlip(a, b)).dump(2);
+    return JsonText(skywave::Compare(a, b), HdrFlip(a, b));
   });
 }
 
@@ -51,7 +51,7 @@ std::string DescribeMap(const ImageArray& image, const std::string& projection) 
     const ProbeMap map = MakeProbeMap(CopyImage(image, "map"), "map", given);
     const ProbeInfo info =
         skywave::DescribeMap(MakeSphereMap(ToLatLong(map.image, map.projection)));
-    return Json(map, info).dump(2);
+    return JsonText(map, info);
   });
 }
 

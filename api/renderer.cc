@@ -238,7 +238,7 @@ void Renderer::CopyLayer(const std::string& name, std::span<float> values) const
 std::string Renderer::Statistics() const {
   return Translated([&] {
     state_->finished();
-    return Json(Report(*state_)).dump(2) + "\n";
+    return JsonText(Report(*state_)) + "\n";
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "bench/measure/bench_compare.h"
@@ -147,6 +148,8 @@ nlohmann::ordered_json Json(const Baseline& baseline) {
   json["render_seconds"] = baseline.seconds;
   return json;
 }
+
+std::string JsonText(const Baseline& baseline) { return Json(baseline).dump(2); }
 
 Baseline ReadBaseline(const std::string& path) { return BaselineOf(ReadJson(path), path); }
 

@@ -2,7 +2,7 @@
 // the last digit, instructions within a limit, times by intervals (docs/regression.md).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -40,6 +40,7 @@ struct Baseline {
 };
 
 nlohmann::ordered_json Json(const Baseline& baseline);
+std::string JsonText(const Baseline& baseline);
 // Throws InputError for a file that is not a baseline.
 Baseline ReadBaseline(const std::string& path);
 Baseline BaselineOf(const nlohmann::json& json, const std::string& file);

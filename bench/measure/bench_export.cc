@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/granted.h"
 #include "bench/measure/statistics.h"

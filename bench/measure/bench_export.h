@@ -1,7 +1,7 @@
 // Writes results of `skywave bench` in the forms of other tools.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "base/names.h"
 #include "bench/measure/bench_record.h"

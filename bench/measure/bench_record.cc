@@ -1,6 +1,7 @@
 #include "bench/measure/bench_record.h"
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "bench/measure/json_input.h"
 

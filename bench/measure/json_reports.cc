@@ -1,5 +1,6 @@
 #include "bench/measure/json_reports.h"
 
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "lights/maps/projections.h"
@@ -22,6 +23,10 @@ nlohmann::ordered_json Json(const ImageDifference& d, const Flip& flip) {
           {"different_pixels", d.different_pixels}};
 }
 
+std::string JsonText(const ImageDifference& difference, const Flip& flip) {
+  return Json(difference, flip).dump(2);
+}
+
 nlohmann::ordered_json Json(const NoiseComparison& c) {
   return {{"mean_difference", c.mean_difference},
           {"half_width", c.half_width},
@@ -32,7 +37,7 @@ nlohmann::ordered_json Json(const NoiseComparison& c) {
           {"exact_values_that_differ", c.exact_that_differ}};
 }
 
-nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info) {
+std::string JsonText(const ProbeMap& map, const ProbeInfo& info) {
   const Strata& s = info.strata;
   const double pixels_per_sr = info.sphere_pixels / (4 * std::numbers::pi);
   nlohmann::ordered_json json;
@@ -65,7 +70,7 @@ nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info) {
                              {"luminance", spot.luminance},
                              {"share", spot.share}});
   }
-  return json;
+  return json.dump(2);
 }
 
 }  // namespace skywave

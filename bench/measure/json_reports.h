@@ -1,7 +1,8 @@
 // Reports differences of pictures, and what is in a map, for programs.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "bench/measure/picture_noise.h"
 #include "image/compare.h"
@@ -11,12 +12,13 @@
 
 namespace skywave {
 
-// Returns the keys of `skywave compare --json`, without those of noise, which the second one
+// Returns the keys of `skywave compare --json`, without those of noise, which the last one
 // returns.
 nlohmann::ordered_json Json(const ImageDifference& difference, const Flip& flip);
+std::string JsonText(const ImageDifference& difference, const Flip& flip);
 nlohmann::ordered_json Json(const NoiseComparison& comparison);
 
 // `info` describes `map`. docs/probe.md describes the keys.
-nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info);
+std::string JsonText(const ProbeMap& map, const ProbeInfo& info);
 
 }  // namespace skywave

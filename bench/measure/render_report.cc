@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <nlohmann/json.hpp>
 
 #include "base/granted.h"
 #include "base/version.h"
@@ -115,7 +116,7 @@ std::string Table(const RenderReport& report) {
   return text;
 }
 
-nlohmann::ordered_json Json(const RenderReport& report) {
+std::string JsonText(const RenderReport& report) {
   const RenderStats& stats = report.frame.stats;
   const JobTimes& times = report.job->times();
   const RenderOptions& options = report.job->options();
@@ -195,7 +196,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   }
   json["clamped_samples"] = stats.clamped_samples;
   json["invalid_samples"] = stats.invalid_samples;
-  return json;
+  return json.dump(2);
 }
 
 }  // namespace skywave

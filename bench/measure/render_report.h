@@ -1,7 +1,6 @@
 // Reports the statistics of a render for people (a table) and for programs (JSON).
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -19,6 +18,6 @@ struct RenderReport {
 };
 
 std::string Table(const RenderReport& report);
-nlohmann::ordered_json Json(const RenderReport& report);
+std::string JsonText(const RenderReport& report);
 
 }  // namespace skywave

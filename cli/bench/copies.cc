@@ -1,6 +1,7 @@
 // Measures copies of a scene or of the suite, one thread each.
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/files.h"

@@ -92,7 +92,7 @@ int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
   }
   baseline.reasons = std::move(reasons);
   baseline.reasons.push_back(reason);
-  WriteFileAtomically(flags.baseline, Json(baseline).dump(2) + "\n");
+  WriteFileAtomically(flags.baseline, JsonText(baseline) + "\n");
   Print(stdout, "wrote {}: {} counters, instructions of {} stages, {} times\n", flags.baseline,
         baseline.counters.size(), baseline.instructions.size(), baseline.seconds.size());
   return 0;

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "base/version.h"
 #include "bench/measure/bench_record.h"

@@ -1,7 +1,7 @@
 // Reports a run of the suite as text, counters, JSON (docs/bench_json.md) and a page.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <utility>

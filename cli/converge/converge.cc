@@ -49,7 +49,7 @@ std::vector<OptionOf<ConvergeFlags>> OutputOptions() {
 #undef FIELD
 
 void WriteOutputs(const ConvergeFlags& flags, const ConvergeReport& report) {
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(report).dump(2) + "\n");
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, JsonText(report) + "\n");
   if (!flags.plot.empty()) WriteFileAtomically(flags.plot, Svg(Plots(report)));
   if (!flags.html.empty()) WriteFileAtomically(flags.html, Html(report, flags.tone));
 }

@@ -72,7 +72,7 @@ int InfoMain(const InfoFlags& flags) {
   const Image latlong = ToLatLong(map.image, map.projection);
   const ProbeInfo info = DescribeMap(MakeSphereMap(latlong), flags.spots);
   PrintProbe(flags, map, info);
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(map, info).dump(2) + "\n");
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, JsonText(map, info) + "\n");
   return 0;
 }
 

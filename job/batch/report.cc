@@ -1,5 +1,7 @@
 #include "job/batch/report.h"
 
+#include <nlohmann/json.hpp>
+
 #include "base/version.h"
 #include "job/picture.h"
 

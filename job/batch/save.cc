@@ -1,5 +1,7 @@
 #include "job/batch/save.h"
 
+#include <nlohmann/json.hpp>
+
 #include "base/error.h"
 #include "base/files.h"
 #include "job/batch/page.h"

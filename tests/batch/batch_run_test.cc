@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <xxhash.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/granted.h"
@@ -118,7 +119,7 @@ std::vector<std::string> FindWarnings(const ConvergeReport& report) {
   return warnings;
 }
 
-nlohmann::ordered_json Json(const ConvergeReport& report) {
+std::string JsonText(const ConvergeReport& report) {
   const RenderOptions& options = report.job->options();
   const ErrorMeasure measure = report.settings.measure;
   nlohmann::ordered_json json;
@@ -172,7 +173,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
     json["strategies"].push_back(std::move(strategy));
   }
   json["warnings"] = report.warnings;
-  return json;
+  return json.dump(2);
 }
 
 std::vector<LogPlot> Plots(const ConvergeReport& report) {

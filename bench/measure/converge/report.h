@@ -1,7 +1,6 @@
 // The results of comparing strategies and integrators, and their reports for programs.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +31,7 @@ struct ConvergeReport {
 std::vector<std::string> FindWarnings(const ConvergeReport& report);
 
 // docs/converge.md describes the keys.
-nlohmann::ordered_json Json(const ConvergeReport& report);
+std::string JsonText(const ConvergeReport& report);
 // Plots error against time, and error against samples.
 std::vector<LogPlot> Plots(const ConvergeReport& report);
 
