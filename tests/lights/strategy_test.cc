@@ -1,5 +1,5 @@
-// One suite for all strategies: the promises of a strategy decide which checks it undergoes. A line
-// in Subjects() adds a new strategy; a missing line fails EveryStrategyIsTested.
+// One suite for all strategies (tests/support/strategy_subjects.h): the promises of a strategy
+// decide which checks it undergoes.
 
 #include "lights/strategies/strategy.h"
 

@@ -1,0 +1,273 @@
+// Tests the materials of glTF files: textures, alpha, normal maps, colours of vertices, extensions.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "scene/geometry.h"
+#include "tests/support/gltf_document.h"
+#include "tests/support/gltf_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
+  WritePng(folder_.Write("a b.png", ""), 2, 1, {255, 0, 0, 0, 255, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a%20b.png"}}};
+  document["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  document["textures"] = {{{"source", 0}, {"sampler", 0}}, {{"source", 0}}};
+  json& pbr = document["materials"][0]["pbrMetallicRoughness"];
+  pbr["baseColorTexture"] = {
+      {"index", 0},
+      {"extensions",
+       {{"KHR_texture_transform",
+         {{"offset", {0.25, 0.5}}, {"scale", {2, 3}}, {"rotation", 1.5707963267948966}}}}}};
+  pbr["metallicRoughnessTexture"] = {{"index", 1}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  ASSERT_TRUE(paint.color_texture && paint.roughness_texture);
+  const Texture& color = scene.textures[*paint.color_texture];
+  EXPECT_EQ(color.wrap_u, TextureWrap::kClamp);
+  EXPECT_EQ(color.wrap_v, TextureWrap::kMirror);
+  // A quarter turn maps (u, v) to (3 v, -2 u) and then moves it.
+  const glm::vec2 at = color.transform * glm::vec3(1, 10, 1);
+  EXPECT_NEAR(at.x, 30.25, 1e-5);
+  EXPECT_NEAR(at.y, -1.5, 1e-5);
+  EXPECT_EQ(scene.textures[*paint.roughness_texture].wrap_u, TextureWrap::kRepeat);
+  EXPECT_EQ(scene.images[color.image].rgb, (std::vector<float>{1, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
+}
+
+// Colours are encoded as sRGB, numbers and normals are not (glTF 2.0, 3.9.2 and 3.9.3).
+TEST_F(Gltf, TexturesAreEncodedAsTheirUseSays) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {128, 64, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {{"index", 0}};
+  material["normalTexture"] = {{"index", 0}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["emissiveTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  const auto seen = [&](const std::optional<std::uint32_t>& texture) {
+    const std::vector<float>& rgb = scene.images[scene.textures.at(texture.value()).image].rgb;
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  };
+  const glm::vec3 decoded(0.2158605f, 0.0512695f, 1), plain(128 / 255.0f, 64 / 255.0f, 1);
+  ExpectNear(seen(paint.color_texture), decoded);
+  ExpectNear(seen(paint.emission_texture), decoded);
+  ExpectNear(seen(paint.roughness_texture), plain);
+  ExpectNear(seen(paint.normal_texture), plain);
+}
+
+// The extension's own example selects the lower left quadrant of the image.
+TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {
+      {"index", 0},
+      {"extensions",
+       {{"KHR_texture_transform",
+         {{"offset", {0, 1}}, {"scale", {0.5, 0.5}}, {"rotation", 1.57079632679}}}}}};
+  const Scene scene = Read(document);
+  const Texture& texture = scene.textures[*scene.materials[0].color_texture];
+  for (const glm::vec2& uv : {glm::vec2(0.1f, 0.1f), {0.9f, 0.1f}, {0.1f, 0.9f}, {0.9f, 0.9f}}) {
+    const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
+    EXPECT_TRUE(at.x > 0 && at.x < 0.5f && at.y > 0.5f && at.y < 1) << at.x << " " << at.y;
+  }
+  // The rotation is counter-clockwise on an image whose v points down: the right side moves to the
+  // top.
+  EXPECT_LT((texture.transform * glm::vec3(0.9f, 0, 1)).y,
+            (texture.transform * glm::vec3(0.1f, 0, 1)).y);
+}
+
+// Returns a PNG of 2 x 1 pixels with alpha 255 and 51.
+std::string TransparentPng() {
+  static const unsigned char kBytes[] = {
+      0x89, 'P',  'N',  'G',  0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+      0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
+      0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
+      0xcf, 0xc0, 0xf0, 0x1f, 0x08, 0x8d, 0x01, 0x10, 0x2c, 0x03, 0x31, 0x07, 0x28, 0xa2, 0x63,
+      0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  return {reinterpret_cast<const char*>(kBytes), sizeof kBytes};
+}
+
+TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
+  folder_.Write("a.png", TransparentPng());
+  json document = Document();
+  json& material = document["materials"][0];
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr["baseColorFactor"] = {1, 1, 1, 0.5};
+  EXPECT_TRUE(Read(document).materials[0].opaque()) << "alphaMode OPAQUE";
+  material["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).materials[0].opacity, 0.5f);
+  EXPECT_FALSE(Read(document).materials[0].opacity_texture);
+  material["alphaMode"] = "MASK";
+  EXPECT_EQ(Read(document).materials[0].opacity, 1) << "the cutoff is 1/2";
+  material["alphaCutoff"] = 0.6;
+  EXPECT_EQ(Read(document).materials[0].opacity, 0);
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  pbr["baseColorTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  EXPECT_EQ(paint.opacity, 0.5f);
+  EXPECT_EQ(paint.opacity_cutoff, 0.6f);
+  ASSERT_TRUE(paint.opacity_texture);
+  const Texture& texture = scene.textures[*paint.opacity_texture];
+  EXPECT_EQ(texture.use, TextureUse::kOpacity);
+  EXPECT_EQ(scene.images[texture.image].rgb, (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {128, 128, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  // The existing numbers read as four floats per vertex are (0 0 0 2), (0 0 0 2), (0 0 0 1).
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+  document["bufferViews"].push_back(View(0, 48));
+  document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 4;
+  EXPECT_TRUE(Read(document).meshes[0].tangents.empty()) << "nothing to use them";
+  document["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.25}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  ASSERT_TRUE(paint.normal_texture);
+  EXPECT_EQ(scene.textures[*paint.normal_texture].use, TextureUse::kNormals);
+  EXPECT_EQ(paint.normal_scale, 0.25f);
+  ASSERT_EQ(scene.meshes[0].tangents.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].tangents[0].w, 2);
+  document["bufferViews"][4]["byteLength"] = 40;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+// Colours have three or four channels, as floats or normalized bytes.
+TEST_F(Gltf, VertexColoursAreRead) {
+  json document = Document();
+  document["bufferViews"].push_back(View(0, 48));
+  json& primitive = document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["COLOR_0"] = 4;
+  // The positions serve again as colours: (0 0 0), (2 0 0), (0 2 0), clamped to [0, 1].
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].colors[0], glm::vec3(0, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[2], glm::vec3(0, 1, 0));
+  document["accessors"][4] = {{"bufferView", 4},
+                              {"componentType", 5121},
+                              {"normalized", true},
+                              {"count", 3},
+                              {"type", "VEC4"}};
+  // The view begins with the last two bytes of a 2.0f: 0, 64, then zeros.
+  document["bufferViews"][4] = View(14, 12);
+  const Scene four = Read(document);
+  ASSERT_EQ(four.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(four.meshes[0].colors[0], glm::vec3(0, 64.0f / 255, 0));
+  EXPECT_EQ(four.meshes[0].colors[1], glm::vec3(0));
+  EXPECT_TRUE(four.warnings.empty());
+  document["materials"][0]["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).warnings.size(), 1u) << "their alpha";
+  document["accessors"][4]["count"] = 2;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+TEST_F(Gltf, VolumesAbsorb) {
+  json document = Document();
+  document["extensionsRequired"] = {"KHR_materials_volume"};
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 1},
+        {"attenuationDistance", 2.0},
+        {"attenuationColor", {0.25, 1.0, 0.5}}}}};
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  const glm::vec3 absorption = scene.materials[0].absorption;
+  EXPECT_FLOAT_EQ(absorption.x, float(std::log(4.0) / 2));
+  EXPECT_EQ(absorption.y, 0);
+  EXPECT_FLOAT_EQ(absorption.z, float(std::log(2.0) / 2));
+  document["materials"][0]["extensions"]["KHR_materials_volume"].erase("attenuationDistance");
+  EXPECT_EQ(Read(document).materials[0].absorption, glm::vec3(0));
+}
+
+TEST_F(Gltf, TransmissionAndIndicesMakeGlass) {
+  json document = Document();
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+      {"KHR_materials_ior", {{"ior", 1.33}}}};
+  json& extensions = document["materials"][0]["extensions"];
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kThinDielectric);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+  extensions["KHR_materials_volume"] = {{"thicknessFactor", 0.5}};
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kDielectric);
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].alpha, 0.25f);
+  document["materials"][0]["extensions"].erase("KHR_materials_transmission");
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+}
+
+TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
+  json document = Document();
+  json& extensions = document["materials"][0]["extensions"];
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
+                                           {"clearcoatRoughnessFactor", 0.3}};
+  const Material coated = Read(document).materials[0];
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_FLOAT_EQ(coated.coat, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
+  EXPECT_EQ(coated.sheen, glm::vec3(0));
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["normalTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
+  extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(Read(document).warnings.empty());
+  extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatTexture"), std::string::npos);
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                                       {"sheenRoughnessFactor", 0.5}};
+  const Material velvet = Read(document).materials[0];
+  EXPECT_EQ(velvet.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_EQ(velvet.coat, 0);
+  EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
+  // A quarter of the reflectance at normal incidence is half of the amplitude.
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.25}};
+  const float ior = Read(document).materials[0].ior;
+  EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);
+  EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+  // A colour stands for its mean, here a half, and multiplies the factor.
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.5},
+                                          {"specularColorFactor", {0.75, 0.5, 0.25}}};
+  const Scene tinted = Read(document);
+  const float weaker = tinted.materials[0].ior;
+  EXPECT_NEAR((weaker - 1) / (weaker + 1), 0.5 * 0.2, 1e-6);
+  EXPECT_EQ(tinted.warnings.size(), 1u);
+  extensions["KHR_materials_specular"]["specularColorFactor"] = {0, 0, 1.5};
+  const float blue = Read(document).materials[0].ior;
+  EXPECT_NEAR((blue - 1) / (blue + 1), 0.5 * 0.2, 1e-6);
+}
+
+}  // namespace
+}  // namespace skywave
