@@ -303,7 +303,7 @@ std::vector<JobOption> MakeJobOptions() {
 
     Plain({.name = "wave", .group = kSpeedGroup, .help = "rows of a wave, rounded up to whole beams of 8", .scope = kSpeed, .in_suite = true},
           FIELD(options.wave), Numbers(1u, 1u << 20)),
-    Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree; stream and array: Embree 3 only", .scope = kSpeed, .in_suite = true},
+    Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree; stream: Embree 3 only", .scope = kSpeed, .in_suite = true},
           FIELD(options.backend), Backends()),
     // Other instruction sets find hits with other bits.
     Plain({.name = "embree-config", .group = kSpeedGroup, .help = "configuration of rtcNewDevice, for example isa=avx2", .scope = kPixels, .example = "--embree-config isa=sse2", .in_suite = true},

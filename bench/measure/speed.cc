@@ -32,7 +32,6 @@ void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[k
                Speed& speed) {
   for (int order = 0; order < kRayOrders; ++order) {
     for (int call = 0; call < kReplayCalls; ++call) {
-      if (!IsReplayed(kReplayOrders[order], kBackends[call])) continue;
       const ReplayTime time =
           Replay(job.geometry().scene(), kBackends[call], ordered[order], job.options().threads);
       for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {

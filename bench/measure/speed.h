@@ -43,11 +43,6 @@ struct ThreadSeconds {
 inline constexpr int kReplayCalls = int(std::size(kBackends));
 inline constexpr RayOrder kReplayOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 inline constexpr int kRayOrders = int(std::size(kReplayOrders));
-// Returns true if a call is replayed in this order. Arrays are replayed in the traced order only
-// and have no times in sorted ones.
-inline constexpr bool IsReplayed(RayOrder order, Backend backend) {
-  return order == RayOrder::kTraced || backend != Backend::kArray;
-}
 
 struct Speed {
   FrameResult first;           // the frame that recorded its rays, for counters rather than times

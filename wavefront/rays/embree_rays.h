@@ -1,6 +1,6 @@
 // The calls that trace rays in one spelling for Embree 3 and Embree 4. No other file asks for the
-// version. Embree 4 has packets and single rays only; functions for streams and arrays of rays are
-// declared for both versions and defined for Embree 3 alone.
+// version. Embree 4 has packets and single rays only; functions for streams are declared for both
+// versions and defined for Embree 3 alone.
 #pragma once
 
 #include <cstdint>
@@ -57,8 +57,6 @@ inline void Occluded8(EmbreeQuery& query, const int* valid, RTCRay8& rays) {
 void IntersectStream(EmbreeQuery& query, const RayStream& rays, const HitColumns& hits,
                      std::uint32_t* instances, std::uint32_t n);
 void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n);
-void IntersectArray(EmbreeQuery& query, RTCRayHit* rays, std::uint32_t n);
-void OccludedArray(EmbreeQuery& query, RTCRay* rays, std::uint32_t n);
 
 #else
 
@@ -109,12 +107,6 @@ inline void IntersectStream(EmbreeQuery& query, const RayStream& rays, const Hit
 inline void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n) {
   RTCRayNp ray = StreamOf(rays);
   rtcOccludedNp(query.scene, &query.context, &ray, n);
-}
-inline void IntersectArray(EmbreeQuery& query, RTCRayHit* rays, std::uint32_t n) {
-  rtcIntersect1M(query.scene, &query.context, rays, n, sizeof *rays);
-}
-inline void OccludedArray(EmbreeQuery& query, RTCRay* rays, std::uint32_t n) {
-  rtcOccluded1M(query.scene, &query.context, rays, n, sizeof *rays);
 }
 
 #endif

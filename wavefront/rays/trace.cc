@@ -12,7 +12,7 @@ namespace skywave {
 namespace {
 
 constexpr std::uint32_t kPacket = 8;
-constexpr std::uint32_t kArray = 128;  // rays of a call, on the stack: 10 KiB
+constexpr std::uint32_t kPiece = 128;  // rays of a call, where their instances go to the stack
 
 RayStream View(const RayColumns& r, const std::uint32_t* keys) {
   return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far, keys};
@@ -103,15 +103,6 @@ void Occlude(RTCScene scene, Backend backend, const RayStream& rays, std::uint32
       }
       break;
     }
-    case Backend::kArray:
-      for (std::uint32_t i = 0; i < n; i += kArray) {
-        RTCRay array[kArray];
-        const std::uint32_t count = std::min(kArray, n - i);
-        for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRay(rays, i + k);
-        if constexpr (kEmbreeHasStreams) OccludedArray(query, array, count);
-        for (std::uint32_t k = 0; k < count; ++k) rays.t_far[i + k] = array[k].tfar;
-      }
-      break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
         if (rays.t_far[i] < 0) continue;
@@ -160,9 +151,9 @@ void StoreHit(const Tracer& tracer, RTCRayHit hit, std::uint32_t i, const RayCol
 // Traces a stream in pieces whose instances fit on the stack.
 void IntersectInstancedStream(const Tracer& tracer, EmbreeQuery& query, const RayStream& rays,
                               const HitColumns& hits, std::uint32_t n) {
-  for (std::uint32_t begin = 0; begin < n; begin += kArray) {
-    std::uint32_t instances[kArray];
-    const std::uint32_t count = std::min(kArray, n - begin);
+  for (std::uint32_t begin = 0; begin < n; begin += kPiece) {
+    std::uint32_t instances[kPiece];
+    const std::uint32_t count = std::min(kPiece, n - begin);
     const HitColumns at = Slice(hits, begin);
     if constexpr (kEmbreeHasStreams) {
       IntersectStream(query, From(rays, begin), at, instances, count);
@@ -235,17 +226,6 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
       }
       break;
     }
-    case Backend::kArray:
-      for (std::uint32_t i = 0; i < n; i += kArray) {
-        RTCRayHit array[kArray];
-        const std::uint32_t count = std::min(kArray, n - i);
-        for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRayHit(view, i + k);
-        if constexpr (kEmbreeHasStreams) IntersectArray(query, array, count);
-        for (std::uint32_t k = 0; k < count; ++k) {
-          StoreHit(tracer, array[k], i + k, rays, hits);
-        }
-      }
-      break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
         RTCRayHit hit = SingleRayHit(view, i);

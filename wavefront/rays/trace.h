@@ -20,9 +20,8 @@ namespace skywave {
 // anything.
 enum class Backend {
   kBest,    // the fastest for nearest hits, and for occlusion
-  kStream,  // columns; Embree 3 alone, like kArray
+  kStream,  // columns; Embree 3 alone
   kPacket,  // eight rays
-  kArray,   // an array of rays
   kSingle   // one ray
 };
 template <>
@@ -30,13 +29,12 @@ inline constexpr auto kEnumNames<Backend> =
     std::to_array<Named<Backend>>({{Backend::kBest, "best"},
                                    {Backend::kStream, "stream"},
                                    {Backend::kPacket, "packet"},
-                                   {Backend::kArray, "array"},
                                    {Backend::kSingle, "single"}});
 
 // These are the calls that the linked Embree has. A Tracer gets no others.
 inline constexpr auto kBackends = [] {
   if constexpr (kEmbreeHasStreams) {
-    return std::to_array({Backend::kStream, Backend::kPacket, Backend::kArray, Backend::kSingle});
+    return std::to_array({Backend::kStream, Backend::kPacket, Backend::kSingle});
   } else {
     return std::to_array({Backend::kPacket, Backend::kSingle});
   }
