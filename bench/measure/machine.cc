@@ -42,9 +42,6 @@ std::string BuildKind() {
 #ifdef SKYWAVE_CHECKS
   kind += ", with checks";
 #endif
-#if defined(SKYWAVE_SLOWDOWN)
-  kind += fmt::format(", slowed down by {} %", SKYWAVE_SLOWDOWN);
-#endif
   return kind;
 }
 

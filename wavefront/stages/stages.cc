@@ -211,16 +211,6 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
                           .requested = frame.light_samples(),
                           .pair = pair,
                           .share = shares.of_strategy};
-#ifdef SKYWAVE_SLOWDOWN
-  // scripts/gate_selftest.sh has that many percent of the rows sampled for nothing, by other random
-  // numbers, so that they read other texels and cost what samples cost, whatever the scene and the
-  // machine.
-  static_assert(SKYWAVE_SLOWDOWN <= 100, "tables have no more rows");
-  LightCall wasted = call;
-  wasted.pair += kPairBlock * 4096;
-  SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, scratch, lights,
-             places);
-#endif
   return SampleRows(frame, points, shares, call, n, uniforms, scratch, lights, places);
 }
 
