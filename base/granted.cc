@@ -152,7 +152,7 @@ class Finder {
     const std::optional<std::int64_t> value = WholeNumber(text);
     if (value && *value >= low) return value;
     granted_.notes.push_back(
-        fmt::format("{}={} is no number of at least {}, and is ignored", name, text, low));
+        fmt::format("{}={} is not a number of at least {}, and is ignored", name, text, low));
     return std::nullopt;
   }
   void ReadThreads(const char* name) {

@@ -36,7 +36,8 @@ std::string Gunzip(std::string bytes, const std::string& path, std::size_t max_b
     status = inflate(&stream, Z_NO_FLUSH);
     next += given - stream.avail_in;
     if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
-      throw InputError(InputPosition::Byte(path, next), "is no valid gzip file: unpack it by hand");
+      throw InputError(InputPosition::Byte(path, next),
+                       "is not a valid gzip file: unpack it by hand");
     }
     plain.append(chunk.data(), chunk.size() - stream.avail_out);
     if (plain.size() > max_bytes) {

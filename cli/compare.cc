@@ -130,7 +130,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
     option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
     option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
     option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),
-    option({.name = "full-scale", .help = "error that is shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
+    option({.name = "full-scale", .help = "error shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
     option({.name = "pixels-per-degree", .help = "pixels of the screen in one degree of the view, for FLIP"}, FIELD(pixels_per_degree), Doubles(1, 1000)),
     option({.name = "json", .help = "write the measures as JSON"}, FIELD(json), Texts("JSON")),
     option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),

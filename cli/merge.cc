@@ -57,8 +57,8 @@ std::vector<OptionOf<MergeFlags>> MergeOptions() {
   return {
     option({.name = "films", .help = "films of parts of one picture, in any order (skywave render --film)", .scope = OptionScope::kInput, .metavar = "FILM ...", .positional = true, .required = true, .most_values = 1 << 20}, FIELD(request.films), Texts("films")),
     option({.name = "output", .help = "EXR file, with a PNG of the same name; or, ending in .film, a film of what there is", .metavar = "EXR|FILM", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
-    option({.name = "crop", .help = "the parts are to make this part of the film", .default_text = "all of it"}, FIELD(request.window), Crops()),
-    option({.name = "sample-range", .help = "the parts are to make these samples", .default_text = "all"}, FIELD(request.samples), SampleRanges()),
+    option({.name = "crop", .help = "expect the parts to make this part of the film", .default_text = "all of it"}, FIELD(request.window), Crops()),
+    option({.name = "sample-range", .help = "expect the parts to make these samples", .default_text = "all"}, FIELD(request.samples), SampleRanges()),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
   };
   // clang-format on

@@ -174,7 +174,7 @@ Command PathsCommand() {
   const auto flags = std::make_shared<PathsFlags>();
   Command command = {
       .name = "paths",
-      .summary = "Show what every way to connect sub-paths brings to a picture of bdpt",
+      .summary = "Show the contribution of every way to connect sub-paths to a picture of bdpt",
       .footer =
           "The sheet: a row for each number of surfaces, from 0; a column for each number of "
           "vertices\n"

@@ -297,7 +297,7 @@ double MeanOf(std::span<const float> map) {
   return sum / double(map.size());
 }
 
-// Applies `curve` to all values times `scale`; what is no number becomes 0.
+// Applies `curve` to all values times `scale`; what is not a number becomes 0.
 template <class Curve>
 Image OnScreen(const Image& picture, double scale, const Curve& curve) {
   Image shown(picture.width, picture.height);

@@ -43,7 +43,7 @@ float FromBigEndian(float value) {
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   ByteCursor cursor(path, bytes);
   const std::string_view magic = TakeWord(cursor, bytes);
-  if (magic != "PF" && magic != "Pf") cursor.Fail("is no PFM: it starts with neither PF nor Pf");
+  if (magic != "PF" && magic != "Pf") cursor.Fail("is not a PFM: it starts with neither PF nor Pf");
   const int channels = magic == "PF" ? 3 : 1;
 
   const InputPosition size_position = InputPosition::Byte(path, cursor.offset());

@@ -45,7 +45,7 @@ std::string_view TakeLine(ByteCursor& cursor, const char* what) {
 void ReadHeader(ByteCursor& cursor) {
   const std::string_view program = TakeLine(cursor, "the Radiance header");
   if (program != "#?RADIANCE" && program != "#?RGBE") {
-    cursor.Fail("is no Radiance picture: it starts with neither #?RADIANCE nor #?RGBE");
+    cursor.Fail("is not a Radiance picture: it starts with neither #?RADIANCE nor #?RGBE");
   }
   bool has_format = false;
   while (true) {

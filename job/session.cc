@@ -123,7 +123,7 @@ void Resume(Session& session) {
         "it keeps other layers; with `noise` and `adaptive` a film keeps the variance too");
   }
   if (!Fits(saved.file.state, FrameOf(session), session.part.samples)) {
-    throw refuse("it has come to a place that this render does not have");
+    throw refuse("its position does not exist in this render");
   }
   session.film.UnpackPicture(saved.film.PackPicture());
   session.state = saved.file.state;

@@ -52,7 +52,7 @@ Portal PortalOfCorners(const std::array<glm::vec3, 4>& corners) {
   }
   if (glm::length(rest) > kTolerance * std::min(width, height)) {
     throw InputError({},
-                     fmt::format("the portal is no plane rectangle: opposite to {} its corner "
+                     fmt::format("the portal is not a plane rectangle: opposite to {} its corner "
                                  "would be {}, and it is {}",
                                  Text(corners[0]), Text(glm::vec3(a + x + y)), Text(corners[2])));
   }

@@ -126,8 +126,8 @@ GateResult JudgeTime(const Baseline& baseline, const Baseline& now, double thres
                   ratio.ratio.interval.low, ratio.ratio.interval.high, ratio.least);
   if (ratio.slower(threshold)) {
     result.verdict = GateResult::kFailed;
-    result.lines.push_back(fmt::format("median {:.4f} s, was {:.4f} s; {:g} % are let pass",
-                                       ratio.b, ratio.a, 100 * threshold));
+    result.lines.push_back(fmt::format("median {:.4f} s, was {:.4f} s; {:g} % are allowed", ratio.b,
+                                       ratio.a, 100 * threshold));
   }
   return result;
 }

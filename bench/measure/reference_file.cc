@@ -54,7 +54,7 @@ ReferenceFile ReadReference(const std::string& path, int width, int height,
   }
   if (!std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); })) {
     throw InputError(InputPosition::File(path),
-                     "has pixels that are no numbers, so no error can be measured against it");
+                     "has pixels that are not numbers, so no error can be measured against it");
   }
   if (std::filesystem::path(path).extension() != ".exr") return file;
   const Metadata metadata = ReadExrMetadata(path, limits);

@@ -110,7 +110,7 @@ std::string Table(const RenderReport& report) {
   }
   text += "\n";
   if (stats.clamped_samples + stats.invalid_samples > 0) {
-    line("  {} samples were brighter than the film holds and clamped, {} were no numbers",
+    line("  {} samples were brighter than the film holds and clamped, {} were not numbers",
          stats.clamped_samples, stats.invalid_samples);
   }
   return text;

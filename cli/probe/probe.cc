@@ -76,8 +76,8 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
     option({.name = "seed", .help = "seed of the tiling by penrose or polyomino"}, FIELD(lights.seed), Numbers(0u, 0xFFFFFFFFu)),
     option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Codec<StrataRequest>{.values = "P|variation|LIGHTS:DEGREES", .parse = ParseStrata, .print = unprinted}),
     option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), NamesOfEnum<ClusterFrequency>()),
-    cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until so many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),
-    cluster_too(option({.name = "separation", .group = kMerge, .help = "merge until all are so far apart (by F2 without --cluster)", .metavar = "DEGREES"}, FIELD(lights.stop.separation), degrees)),
+    cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until this many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),
+    cluster_too(option({.name = "separation", .group = kMerge, .help = "merge until all are at least this far apart (by F2 without --cluster)", .metavar = "DEGREES"}, FIELD(lights.stop.separation), degrees)),
   };
   // clang-format on
   AddOptions(command, options, request);

@@ -40,7 +40,7 @@ std::string ParsePlace(std::string_view place, NamePiece& piece) {
   return "";
 }
 
-// Returns nothing for a value that is no number.
+// Returns nothing for a value that is not a number.
 std::optional<std::string> Padded(const std::string& value, const NamePiece& piece) {
   std::int64_t whole = 0;
   const char* const end = value.data() + value.size();
@@ -106,7 +106,7 @@ std::string FillName(const std::vector<NamePiece>& pieces,
     const bool plain = piece.width == 0 && piece.digits < 0;
     const std::optional<std::string> text = plain ? value : Padded(*value, piece);
     if (!text) {
-      return fmt::format("pads the number {{{}}}, and '{}' is no number", piece.text, *value);
+      return fmt::format("pads the number {{{}}}, and '{}' is not a number", piece.text, *value);
     }
     name += SafeInFileName(*text);
   }

@@ -23,7 +23,7 @@ struct NamePiece {
 std::string ParseNamePattern(std::string_view pattern, std::vector<NamePiece>& pieces);
 
 // Puts the name with `value_of(name)` in its places into `name`. Returns what is wrong as half a
-// sentence, or nothing: a name without a value, or a width for a value that is no number.
+// sentence, or nothing: a name without a value, or a width for a value that is not a number.
 std::string FillName(const std::vector<NamePiece>& pieces,
                      const std::function<std::optional<std::string>(const std::string&)>& value_of,
                      std::string& name);

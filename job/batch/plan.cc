@@ -78,8 +78,9 @@ std::uint64_t ReadMemory(const std::string& path, const JobValue& file) {
   if (memory == nullptr) return 0;
   const std::uint64_t bytes = ParseBytes(memory->value.text);
   if (bytes == 0) {
-    RefuseLine(path, memory->line,
-               fmt::format("memory: '{}' is no size; write it like \"4GiB\"", memory->value.text));
+    RefuseLine(
+        path, memory->line,
+        fmt::format("memory: '{}' is not a size; write it like \"4GiB\"", memory->value.text));
   }
   return bytes;
 }
@@ -174,7 +175,7 @@ std::string OutputOf(const BatchPlan& plan, const OutputPattern& pattern, const 
   if (!problem.empty()) RefuseLine(plan.path, pattern.line, "path " + problem);
   if (std::filesystem::path(name).stem().empty() || name.ends_with("/.exr")) {
     RefuseLine(plan.path, pattern.line,
-               fmt::format("picture {} would be '{}', which is no name", picture.index, name));
+               fmt::format("picture {} would be '{}', which is not a name", picture.index, name));
   }
   return (std::filesystem::path(folder) / name).lexically_normal().string();
 }

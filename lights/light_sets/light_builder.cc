@@ -25,8 +25,9 @@ constexpr StrategyParameter kLightParameters[] = {
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
     {"lloyd", "0", "energy-weighted Lloyd steps"},
     {"cluster", "none", "merge lights pairwise by F1 (number), F2 (energy) or F3 (luminance)"},
-    {"clusters", "0", "merge until so many are left; 0: no such limit"},
-    {"separation", "0", "merge until lights are so far apart [degrees]; 0: no such limit"},
+    {"clusters", "0", "merge until this many are left; 0: no such limit"},
+    {"separation", "0",
+     "merge until lights are at least this far apart [degrees]; 0: no such limit"},
 };
 
 std::vector<Region> CutRegions(const SphereMap& map, const LightOptions& options) {

@@ -59,7 +59,7 @@ StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text
     if (equals == std::string_view::npos || found == values.end()) {
       std::string keys;
       for (const auto& value : values) keys += (keys.empty() ? "" : ", ") + value.first;
-      ThrowUsage(fmt::format("'{}' is no parameter of {}; it takes {}", item, factory.name,
+      ThrowUsage(fmt::format("'{}' is not a parameter of {}; it takes {}", item, factory.name,
                              keys.empty() ? "none" : keys + " as key=value"));
     }
     found->second = item.substr(equals + 1);
@@ -108,7 +108,7 @@ const std::string& TextValue(const StrategyValues& values, std::string_view key)
       ->second;
 }
 
-// Returns nothing for a text that is no number or out of range.
+// Returns nothing for a text that is not a number or out of range.
 std::optional<double> ParseNumber(std::string_view text, double low, double high) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -129,7 +129,7 @@ bool BoolValue(const StrategyValues& values, std::string_view key) {
 double NumberValue(const StrategyValues& values, std::string_view key, double low, double high) {
   const std::string& text = TextValue(values, key);
   const std::optional<double> value = ParseNumber(text, low, high);
-  if (!value) ThrowUsage(fmt::format("{}={} is no number from {} to {}", key, text, low, high));
+  if (!value) ThrowUsage(fmt::format("{}={} is not a number from {} to {}", key, text, low, high));
   return *value;
 }
 

@@ -25,7 +25,7 @@ Column ReadColumn(const tinygltf::Model& model, const tinygltf::Value& attribute
   Column column = {.numbers = {}, .components = std::size_t(components)};
   if (!attributes.Has(name)) return column;
   const tinygltf::Value& accessor = attributes.Get(name);
-  if (!accessor.IsInt()) FailGltf(path, fmt::format("{}: {} is no accessor", kExtension, name));
+  if (!accessor.IsInt()) FailGltf(path, fmt::format("{}: {} is not an accessor", kExtension, name));
   column.numbers = ReadGltfNumbers(model, accessor.GetNumberAsInt(), components, path);
   if (column.rows() > kMaxInstances) {
     FailGltf(path, fmt::format("has more than {} instances", kMaxInstances));

@@ -286,7 +286,7 @@ std::vector<glm::vec2> ParseSpectrumFile(const std::string& text, const std::str
       float number = 0;
       const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
       if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(number)) {
-        fail(fmt::format("'{}' is no finite number of a spectrum", word.substr(0, 40)));
+        fail(fmt::format("'{}' is not a finite number of a spectrum", word.substr(0, 40)));
       }
       const std::size_t n = numbers.size();
       if (n >= 2 && n % 2 == 0 && !(number > numbers[n - 2])) {
@@ -297,7 +297,7 @@ std::vector<glm::vec2> ParseSpectrumFile(const std::string& text, const std::str
     }
   }
   if (numbers.empty() || numbers.size() % 2 != 0) {
-    throw InputError(InputPosition::File(path), "is no list of wavelengths and values");
+    throw InputError(InputPosition::File(path), "is not a list of wavelengths and values");
   }
   std::vector<glm::vec2> pairs(numbers.size() / 2);
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {numbers[2 * i], numbers[2 * i + 1]};

@@ -103,7 +103,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
       }
     } else if (word == "t" || word == "vw") {
       // These are extensions of tinyobjloader, which trusts the counts in them.
-      throw InputError(PositionOf(lines), fmt::format("'{}' is no statement of OBJ", word));
+      throw InputError(PositionOf(lines), fmt::format("'{}' is not a statement of OBJ", word));
     } else if (word != "o" && word != "g") {
       AddWarning(warnings, PositionOf(lines),
                  fmt::format("'{}' is not supported: left out", word.substr(0, 40)));

@@ -74,7 +74,7 @@ float ParseObjNumber(const ObjLines& lines, std::string_view word) {
   double value = 0;
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) {
-    throw InputError(PositionOf(lines), fmt::format("'{}' is no number", word.substr(0, 40)));
+    throw InputError(PositionOf(lines), fmt::format("'{}' is not a number", word.substr(0, 40)));
   }
   if (error != std::errc() || !std::isfinite(static_cast<float>(value))) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is not finite", word.substr(0, 40)));

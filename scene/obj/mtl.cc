@@ -80,7 +80,7 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
                fmt::format("{}: textures are not supported: the plain value is used", word));
   } else if (!IsMap(word) && !IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
     AddWarning(warnings, PositionOf(lines),
-               fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
+               fmt::format("'{}' is not a statement of MTL: ignored", word.substr(0, 40)));
   }
 }
 

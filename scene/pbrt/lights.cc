@@ -106,7 +106,7 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   const float full = cone - FindFloat(parameters, "conedeltaangle").value_or(5);
   if (!(cone > 0 && cone <= 180 && full <= cone)) {
     throw InputError(parameters.position,
-                     fmt::format("{}: a cone of {} degrees, full up to {}, is none",
+                     fmt::format("{}: a cone of {} degrees, full up to {}, is impossible",
                                  parameters.directive, cone, full));
   }
   light.cos_dark = std::cos(glm::radians(cone));
@@ -196,7 +196,7 @@ PbrtSphereImage SphereImageOf(PbrtReader& reader, const PbrtParameters& paramete
   Image image = given.v4 ? source : SquareOfLatLong(source);
   if (image.width != image.height) {
     throw InputError(parameters.position,
-                     fmt::format("{}: its image of {} x {} is no equal-area square",
+                     fmt::format("{}: its image of {} x {} is not an equal-area square",
                                  parameters.directive, image.width, image.height));
   }
   double sum = 0;
@@ -364,7 +364,7 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
       } else {
         AddWarning(reader.warnings, parameters.position,
                    parameters.directive +
-                       ": the \"illuminance\" of an image that is no equal-area square, or is "
+                       ": the \"illuminance\" of an image that is not an equal-area square, or is "
                        "black above, is ignored");
       }
     }

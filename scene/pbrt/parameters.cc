@@ -125,7 +125,7 @@ PbrtParameter ReadParameter(PbrtSource& source) {
   if (!type) {
     throw InputError(
         parameter.position,
-        fmt::format("\"{}\" is no parameter type; the types are {}", parameter.type, [] {
+        fmt::format("\"{}\" is not a parameter type; the types are {}", parameter.type, [] {
           std::string names;
           for (const TypeInfo& t : kTypes) {
             names += names.empty() ? "" : ", ";

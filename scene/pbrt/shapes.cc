@@ -315,7 +315,7 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
   const float begin = FindFloat(parameters, "width0").value_or(width),
               end = FindFloat(parameters, "width1").value_or(width);
   if (!(begin >= 0 && end >= 0 && std::max(begin, end) > 0)) {
-    throw InputError(parameters.position, fmt::format("{}: widths of {} and {} are none",
+    throw InputError(parameters.position, fmt::format("{}: widths of {} and {} are invalid",
                                                       parameters.directive, begin, end));
   }
   FindInt(parameters, "splitdepth");  // changes nothing but pbrt's speed

@@ -50,7 +50,7 @@ double ReadAscii(Data& data, PlyType type) {
   double value = 0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || stop != word.data() + word.size()) {
-    data.Fail(fmt::format("'{}' is no number", word.substr(0, 40)));
+    data.Fail(fmt::format("'{}' is not a number", word.substr(0, 40)));
   }
   if (IsPlyInteger(type) && value != std::floor(value)) {
     data.Fail(fmt::format("'{}' is no integer", word.substr(0, 40)));

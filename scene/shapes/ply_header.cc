@@ -56,7 +56,7 @@ PlyType ParseType(const HeaderLines& lines, std::string_view word) {
   for (const TypeName& known : kTypeNames) {
     if (known.name == word) return known.type;
   }
-  lines.Fail(fmt::format("'{}' is no PLY type", word));
+  lines.Fail(fmt::format("'{}' is not a PLY type", word));
 }
 
 PlyProperty ParseProperty(const HeaderLines& lines, const std::vector<std::string_view>& words) {
@@ -136,7 +136,8 @@ PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& path) {
     throw InputError(InputPosition::File(path), "is compressed: unpack it with gunzip first");
   }
   if (!bytes.starts_with("ply\n") && !bytes.starts_with("ply\r\n")) {
-    throw InputError(InputPosition::Line(path, 1), "is no PLY file: its first line is not 'ply'");
+    throw InputError(InputPosition::Line(path, 1),
+                     "is not a PLY file: its first line is not 'ply'");
   }
   lines.Next();
   PlyHeader header;

@@ -366,7 +366,7 @@ TEST_F(Converge, BadInputIsReportedAndLeavesNoFile) {
       {good + "--spp 4", kExitUsage, {"--spp"}},
       {good + "--strategy importance", kExitUsage, {"--strategy"}},
       {good + "--reference small.exr", kExitBadInput, {"small.exr", "8 x 4", "32 x 24", "--size"}},
-      {good + "--reference nan.exr", kExitBadInput, {"nan.exr", "no numbers"}},
+      {good + "--reference nan.exr", kExitBadInput, {"nan.exr", "not numbers"}},
       {good + "--reference nosuch.exr", kExitIo, {"nosuch.exr"}},
       {good + "--reference small.exr --save-reference a.exr", kExitUsage, {"a.exr", "auto"}},
       {good + "--save-reference a.png", kExitUsage, {"a.png", ".exr"}},

@@ -149,7 +149,7 @@ TEST_F(OptionsCli, PhotonsOfALookupAreAsManyAsAskedFor) {
 
 TEST_F(OptionsCli, TheReferenceIsCurrent) {
   EXPECT_EQ(Run("options --format markdown").out, ReadFile(SourcePath("docs/options.md")))
-      << "make it anew: skywave options --format markdown > docs/options.md";
+      << "regenerate it: skywave options --format markdown > docs/options.md";
 }
 
 TEST_F(OptionsCli, BashCompletesSubcommandsFlagsAndValues) {

@@ -78,7 +78,7 @@ TEST(PbrtPortals, InvalidPortalsAreRefusedWithTheirPlace) {
   const std::pair<const char*, const char*> cases[] = {
       {"0 0 3  0 2 3  1 2 3", "9 numbers"},
       {"0 0 3  0 2 3  1 2 3  1 0 3  7 7 3", "15 numbers"},
-      {"0 0 3  0 2 3  1 2 4  1 0 3", "no plane rectangle"},
+      {"0 0 3  0 2 3  1 2 4  1 0 3", "not a plane rectangle"},
       {"0 0 3  0 2 3  1 3 3  1 1 3", "no right angle"},
       {"0 0 3  1 2 3  0 2 3  1 0 3", "in order"},
       {"0 0 3  0 0 3  1 0 3  1 0 3", "in one place"},
@@ -131,7 +131,7 @@ TEST(GivenPortals, InvalidPortalsAreRefused) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"windows"}, "the scene has window"},
       {{"1,2,3"}, "3 numbers"},
-      {{"0,0,3,0,2,3,1,2,4,1,0,3"}, "no plane rectangle"},
+      {{"0,0,3,0,2,3,1,2,4,1,0,3"}, "not a plane rectangle"},
       {{"-1,0,-1,-1,0,1,-1,2,1,-1,2,-1", "1,0,-1,1,0,1,1,2,1,1,2,-1"}, ""},
       {{"-1,0,-1,-1,2,-1,-1,2,1,-1,0,1", "1,0,-1,1,2,-1,1,2,1,1,0,1"}, "faces away"},
       {std::vector<std::string>(65, "window"), "is neither"},

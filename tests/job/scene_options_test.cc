@@ -86,7 +86,7 @@ TEST(Orbit, FourQuarterTurnsReturnToTheStart) {
   EXPECT_EQ(Choose(scene, quarter).world_from_camera, start) << "no turn changes no bit";
 }
 
-// The distance that is sharp follows from the eye and the target, which keep their distance.
+// The distance in focus follows from the eye and the target, which keep their distance.
 TEST(Orbit, KeepsEverythingElseOfTheCamera) {
   CameraRequest request = {.eye = glm::vec3(1, 3, 5), .target = glm::vec3(1, 1, 0)};
   request.fov_degrees = 33.0f;

@@ -69,7 +69,7 @@ TEST_F(Gltf, InstancesOfAnExtensionAreChecked) {
   EXPECT_NE(change("SCALE", 0).find("of 2 and of 3"), std::string::npos);
   EXPECT_NE(change("ROTATION", 1).find("has not 4 components"), std::string::npos);
   EXPECT_NE(change("ROTATION", 99).find("99"), std::string::npos);
-  EXPECT_NE(change("TRANSLATION", "no").find("TRANSLATION is no accessor"), std::string::npos);
+  EXPECT_NE(change("TRANSLATION", "no").find("TRANSLATION is not an accessor"), std::string::npos);
   json document = DocumentOfInstances();
   document["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", 3}};
   EXPECT_NE(ErrorOf(document).find("no attributes"), std::string::npos);

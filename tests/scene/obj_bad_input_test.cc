@@ -64,11 +64,11 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
       {"v 0 0 1e39\n", "t.obj:1", "not finite"},
       {"v 0 0 1e999\n", "t.obj:1", "not finite"},
       {"v 0 0\n", "t.obj:1", "3 to 7 numbers, not 2"},
-      {"v 0 0 0x\n", "t.obj:1", "'0x' is no number"},
+      {"v 0 0 0x\n", "t.obj:1", "'0x' is not a number"},
       {"v\n", "t.obj:1", "3 to 7 numbers, not 0"},
       {"vn 0 0\n", "t.obj:1", "takes 3 numbers"},
       {"vn 0 nan 0\n", "t.obj:1", "not finite"},
-      {"vt a\n", "t.obj:1", "no number"},
+      {"vt a\n", "t.obj:1", "not a number"},
       {kTriangle + "f 1 2 4\n", "t.obj:4", "vertex index 4, but the file has 3"},
       {kTriangle + "\n# c\nf 1 2 \\\n 9\nf 1 2 3\n", "t.obj:6", "vertex index 9"},
       {kTriangle + "f 1 2 -4\n", "t.obj:4", "index -4 with 3 before it"},
@@ -87,7 +87,7 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
       {"# hidden\rf 7 8 9\n", "t.obj:2", "index 9"},
       {"usemtl\n", "t.obj:1", "without a name"},
       {"mtllib\n", "t.obj:1", "without a name"},
-      {"t crease 99999999/1/1\n", "t.obj:1", "no statement of OBJ"},
+      {"t crease 99999999/1/1\n", "t.obj:1", "not a statement of OBJ"},
   };
   for (const BadText& bad : cases) ExpectRefused(bad, TryObj(bad.text));
 }
@@ -101,7 +101,7 @@ TEST(BadObj, MissingAndBrokenLibrariesAreRefused) {
   folder.Write("bad.mtl", "newmtl a\nKd 1 x 1\n");
   const Refusal broken =
       Try([&] { ReadObj(folder.Write("b.obj", "mtllib bad.mtl\n" + kTriangle + "f 1 2 3\n")); });
-  EXPECT_EQ(broken.message, folder.Path("bad.mtl") + ":2: 'x' is no number");
+  EXPECT_EQ(broken.message, folder.Path("bad.mtl") + ":2: 'x' is not a number");
   EXPECT_EQ(Try([&] { ReadObj(folder.Path("none.obj")); }).exit_code, kExitIo);
   folder.Write("two.mtl", "newmtl wood oak\nKd 1 1 1\nnewmtl wood pine\nKd 0 0 0\n");
   const Refusal alike = Try([&] {
@@ -118,10 +118,10 @@ TEST(BadMtl, IsRefusedWithFileLineAndReason) {
       {"newmtl a\nKd 1 1\n", "t.mtl:2", "one or three numbers"},
       {"newmtl a\nKd 1 -1 1\n", "t.mtl:2", "not negative"},
       {"newmtl a\nKd nan 1 1\n", "t.mtl:2", "not finite"},
-      {"newmtl a\nKd spectral a.rfl\n", "t.mtl:2", "'spectral' is no number"},
+      {"newmtl a\nKd spectral a.rfl\n", "t.mtl:2", "'spectral' is not a number"},
       {"newmtl a\n\nNs 1e999\n", "t.mtl:3", "not finite"},
       {"newmtl a\nd -halo 0.5\n", "t.mtl:2", "-halo"},
-      {"newmtl a\nillum two\n", "t.mtl:2", "no number"},
+      {"newmtl a\nillum two\n", "t.mtl:2", "not a number"},
   };
   for (const BadText& bad : cases) ExpectRefused(bad, TryMtl(bad.text));
 }

@@ -287,7 +287,7 @@ TEST(Mtl, UnsupportedStatementsAreReportedOnce) {
                 "t.mtl:3: bump: there is no file \"no.png\": the plain value is used"}));
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
-            std::vector<std::string>{"t.mtl:3: 'frob' is no statement of MTL: ignored"});
+            std::vector<std::string>{"t.mtl:3: 'frob' is not a statement of MTL: ignored"});
 }
 
 TEST(Obj, LibrariesOfOneStatementAndOfWindows) {

@@ -79,7 +79,7 @@ TEST(BadPbrt, IsRefusedWithFileLineAndReason) {
       {"Shape \"sphere\" \"float radius\" nan", "t.pbrt:1", "not finite"},
       {"Shape \"sphere\" \"float radius\" 1e39", "t.pbrt:1", "not finite"},
       {"Shape \"sphere\" \"float radius\" 1e999", "t.pbrt:1", "not finite"},
-      {"Shape \"sphere\" \"flaot radius\" 1", "t.pbrt:1", "\"flaot\" is no parameter type"},
+      {"Shape \"sphere\" \"flaot radius\" 1", "t.pbrt:1", "\"flaot\" is not a parameter type"},
       {"Shape \"sphere\" \"radius\" 1", "t.pbrt:1", "a parameter \"type name\""},
       {"Shape \"sphere\" \"float radius x\" 1", "t.pbrt:1", "a parameter \"type name\""},
       {"Shape \"sphere\" \"float radius\" 1 \"float radius\" 2", "t.pbrt:1", "given twice"},
@@ -417,13 +417,13 @@ TEST(BadPly, IsRefusedWithPlaceAndReason) {
   const struct {
     std::string bytes, place, reason;
   } cases[] = {
-      {"", "t.ply:1", "no PLY file"},
+      {"", "t.ply:1", "not a PLY file"},
       {"\x1f\x8b\x08", "t.ply", "gunzip"},
       {"ply\nformat ascii 2.0\n", "t.ply:2", "format"},
       {"ply\nformat ascii 1.0\nelement vertex -1\n", "t.ply:3", "no count"},
       {"ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n", "t.ply:3", "no count"},
       {"ply\nformat ascii 1.0\nproperty float x\n", "t.ply:3", "not expected"},
-      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n", "t.ply:4", "no PLY type"},
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n", "t.ply:4", "not a PLY type"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty list float int a\n", "t.ply:4", "integer"},
       {"ply\nformat ascii 1.0\nend_header\n", "t.ply", "no element 'vertex'"},
       {"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nelement face "
@@ -436,7 +436,8 @@ TEST(BadPly, IsRefusedWithPlaceAndReason) {
       {PlyHeaderText("binary_little_endian", "3", "100000000000"), "t.ply:9", "do not fit"},
       {PlyHeaderText("ascii") + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "t.ply:11", "'y' of vertex 1"},
       {PlyHeaderText("ascii") + "0 0 0\n1 1e99 0\n0 1 0\n3 0 1 2\n", "t.ply:11", "'y' of vertex 1"},
-      {PlyHeaderText("ascii") + "0 0 0\n1 a 0\n0 1 0\n3 0 1 2\n", "t.ply:11", "'a' is no number"},
+      {PlyHeaderText("ascii") + "0 0 0\n1 a 0\n0 1 0\n3 0 1 2\n", "t.ply:11",
+       "'a' is not a number"},
       {PlyHeaderText("ascii") + data + "3 0 1 3\n", "t.ply:13", "index 3 is not in 0..2"},
       {PlyHeaderText("ascii") + data + "3 0 1 -1\n", "t.ply:13", "index -1"},
       {PlyHeaderText("ascii") + data + "3 0 1 .5\n", "t.ply:13", "no integer"},

@@ -137,12 +137,12 @@ std::vector<OptionOf<ConvergeRequest>> ConvergeOptions() {
     option({.name = "time", .help = "instead: 1,2,4,... for each strategy up to renders of about this [s]", .excludes = "budgets"}, FIELD(seconds), Unless(0.0, Doubles(0.001, 1e6))),
     option({.name = "repeats", .help = "renders of each, with seeds of their own"}, FIELD(settings.repeats), Numbers(2, 1000)),
     option({.name = "measure", .help = "measure of error"}, FIELD(settings.measure), NamesOfEnum<ErrorMeasure>()),
-    option({.name = "target-error", .help = "error that times are compared at", .default_text = "the first strategy's smallest"}, FIELD(target), Doubles(1e-30, 1e30)),
+    option({.name = "target-error", .help = "error at which times are compared", .default_text = "the first strategy's smallest"}, FIELD(target), Doubles(1e-30, 1e30)),
     option({.name = "reference", .group = kReference, .help = "picture of the same size, or auto: two independent halves by --reference-strategy", .metavar = "EXR|auto"}, FIELD(reference), Texts("a picture")),
     option({.name = "reference-strategy", .group = kReference, .help = "strategy of an automatic reference"}, FIELD(job.strategy), Texts("a strategy")),
     option({.name = "reference-integrator", .group = kReference, .help = "integrator of an automatic reference", .default_text = "path, or direct where nothing else is compared"}, FIELD(reference_integrator), integrators),
     option({.name = "reference-spp", .group = kReference, .help = "samples per pixel of an automatic reference, both halves", .default_text = "16 times the largest budget"}, FIELD(reference_samples), Unless(0u, Numbers(2u, 2 * kMaxSamples))),
-    MakeOption<ConvergeRequest>({.name = "save-reference", .group = kReference, .help = "keep it as EXR, for --reference another time"}, FIELD(save_reference), Texts("EXR")),
+    MakeOption<ConvergeRequest>({.name = "save-reference", .group = kReference, .help = "keep the reference as EXR, for a later --reference"}, FIELD(save_reference), Texts("EXR")),
   };
   // clang-format on
 }
