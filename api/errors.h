@@ -1,6 +1,7 @@
 // The library reports bad input here: InputErrors of the engine become Errors.
 #pragma once
 
+#include "kernels/targets.h"
 #include "skywave/skywave.h"
 
 namespace skywave::api {
@@ -13,9 +14,11 @@ void Require(bool condition, const std::string& place, const std::string& reason
 // nested in the Error (std::rethrow_if_nested).
 [[noreturn]] void RethrowTranslated();
 
-// Returns what `work` returns, and translates the exceptions that it throws.
+// Returns what `work` returns, and translates the exceptions that it throws. Throws
+// std::runtime_error instead of calling it on a processor that cannot run the kernels.
 template <class Work>
 auto Translated(const Work& work) {
+  RequireKernelTarget();
   try {
     return work();
   } catch (...) {

@@ -13,6 +13,7 @@
 #include "base/version.h"
 #include "bench/measure/revision.h"
 #include "cli/print.h"
+#include "kernels/targets.h"
 #include "scene/embree.h"
 #include "skywave/skywave.h"
 
@@ -205,7 +206,12 @@ int ParseAndRun(int argc, char** argv, const std::vector<Command>& commands) {
   }
   // The arena is for what runs in parallel without an option for the number of threads.
   tbb::task_arena arena(GrantedHere().threads);
-  return arena.execute([&] { return Run([&] { return chosen->run(given); }); });
+  return arena.execute([&] {
+    return Run([&] {
+      RequireKernelTarget();
+      return chosen->run(given);
+    });
+  });
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "kernels/targets.h"
 
+#include <stdexcept>
+
 #include "hwy/highway.h"
 #include "kernels/columns.h"
 
@@ -13,6 +15,13 @@ std::int64_t BestTarget() {
 }
 
 }  // namespace
+
+void RequireKernelTarget() {
+  if (BestTarget() != 0) return;
+  throw std::runtime_error(
+      "this processor has no AVX2, which Skywave needs; -DSKYWAVE_ALL_TARGETS=ON builds it for all "
+      "processors");
+}
 
 std::string KernelTarget() { return hwy::TargetName(BestTarget()); }
 

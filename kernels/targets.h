@@ -6,6 +6,9 @@
 
 namespace skywave {
 
+// Throws std::runtime_error if this processor has no instruction set that the kernels are compiled
+// for; without one they must not be called.
+void RequireKernelTarget();
 // Returns Highway's name of the best instruction set that this processor has and the kernels are
 // compiled for.
 std::string KernelTarget();

@@ -290,15 +290,13 @@ HWY_INLINE void ClearControls(const ControlColumns& control, std::uint32_t begin
   }
 }
 
+// Only a diffuse part can be known on average: other BSDFs have no such kernel.
 template <class Bsdf>
 void EvaluateControlledRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
                             const MisPolicy& mis, const LightControl& control,
                             const LightColumns& lights) {
   if constexpr (kDiffuse<Bsdf>) {
     EvaluateLightRows<Bsdf, true>(s, materials, n, mis, lights, &control);
-  } else {
-    EvaluateLightRows<Bsdf>(s, materials, n, mis, lights);
-    ClearControls(control.out, 0, n);
   }
 }
 
@@ -596,42 +594,47 @@ HWY_AFTER_NAMESPACE();
     return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                           \
   }
 
-#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                  \
-  HWY_EXPORT(Evaluate##Bsdf);                                                                     \
-  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                             \
-  HWY_EXPORT(EvaluateControlled##Bsdf##Lights);                                                   \
-  HWY_EXPORT(WeighCells##Bsdf);                                                                   \
-  HWY_EXPORT(WeighCell##Bsdf);                                                                    \
-  HWY_EXPORT(Draw##Bsdf);                                                                         \
-  HWY_EXPORT(Scatter##Bsdf);                                                                      \
-  BsdfKernels Bsdf##Kernels() {                                                                   \
-    BsdfKernels kernels{Bsdf##Traits};                                                            \
-    kernels.evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf);                                          \
-    kernels.evaluate_lights = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, \
-                                 const MisPolicy& mis, const LightColumns& lights) {              \
-      HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                         \
-    };                                                                                            \
-    kernels.evaluate_controlled_lights =                                                          \
-        [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, const MisPolicy& mis, \
-           const LightControl& control, const LightColumns& lights) {                             \
-          HWY_DYNAMIC_DISPATCH(EvaluateControlled##Bsdf##Lights)(s, m, n, mis, control, lights);  \
-        };                                                                                        \
-    kernels.weigh_cells = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,     \
-                             const LightCell* cells, std::uint32_t count, float* sums,            \
-                             std::uint32_t stride) {                                              \
-      HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)(s, m, n, cells, count, sums, stride);                \
-    };                                                                                            \
-    kernels.weigh_cell = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,      \
-                            const LightCell* cells, const std::uint32_t* cell, float* weight) {   \
-      HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);                        \
-    };                                                                                            \
-    kernels.draw = [](const SurfaceColumns& s, const MaterialView& m,                             \
-                      const ScatterUniforms& uniforms, std::uint32_t n,                           \
-                      const LightColumns& directions) {                                           \
-      HWY_DYNAMIC_DISPATCH(Draw##Bsdf)(s, m, uniforms, n, directions);                            \
-    };                                                                                            \
-    kernels.scatter = SKYWAVE_SCATTER(Scatter##Bsdf);                                             \
-    return kernels;                                                                               \
+#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                   \
+  HWY_EXPORT(Evaluate##Bsdf);                                                                      \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                              \
+  HWY_EXPORT(EvaluateControlled##Bsdf##Lights);                                                    \
+  HWY_EXPORT(WeighCells##Bsdf);                                                                    \
+  HWY_EXPORT(WeighCell##Bsdf);                                                                     \
+  HWY_EXPORT(Draw##Bsdf);                                                                          \
+  HWY_EXPORT(Scatter##Bsdf);                                                                       \
+  BsdfKernels Bsdf##Kernels() {                                                                    \
+    BsdfKernels kernels{Bsdf##Traits};                                                             \
+    kernels.evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf);                                           \
+    kernels.evaluate_lights = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,  \
+                                 const MisPolicy& mis, const LightColumns& lights) {               \
+      HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                          \
+    };                                                                                             \
+    kernels.evaluate_controlled_lights =                                                           \
+        [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, const MisPolicy& mis,  \
+           const LightControl& control, const LightColumns& lights) {                              \
+          if constexpr (HWY_NAMESPACE::kDiffuse<HWY_NAMESPACE::Bsdf>) {                            \
+            HWY_DYNAMIC_DISPATCH(EvaluateControlled##Bsdf##Lights)(s, m, n, mis, control, lights); \
+          } else {                                                                                 \
+            HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                    \
+            ClearControls(control.out, n);                                                         \
+          }                                                                                        \
+        };                                                                                         \
+    kernels.weigh_cells = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,      \
+                             const LightCell* cells, std::uint32_t count, float* sums,             \
+                             std::uint32_t stride) {                                               \
+      HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)(s, m, n, cells, count, sums, stride);                 \
+    };                                                                                             \
+    kernels.weigh_cell = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,       \
+                            const LightCell* cells, const std::uint32_t* cell, float* weight) {    \
+      HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);                         \
+    };                                                                                             \
+    kernels.draw = [](const SurfaceColumns& s, const MaterialView& m,                              \
+                      const ScatterUniforms& uniforms, std::uint32_t n,                            \
+                      const LightColumns& directions) {                                            \
+      HWY_DYNAMIC_DISPATCH(Draw##Bsdf)(s, m, uniforms, n, directions);                             \
+    };                                                                                             \
+    kernels.scatter = SKYWAVE_SCATTER(Scatter##Bsdf);                                              \
+    return kernels;                                                                                \
   }
 
 #define SKYWAVE_EVALUATE(function)                                                                \

@@ -10,6 +10,7 @@
 // (Szecsi et al. 2004; Rousselle, Jarosz and Novak 2016)
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "kernels/lights/places.h"
@@ -46,6 +47,9 @@ struct ControlColumns {
     f(self.r), f(self.g), f(self.b);
   }
 };
+inline void ClearControls(const ControlColumns& control, std::uint32_t n) {
+  for (float* column : {control.r, control.g, control.b}) std::fill_n(column, n, 0.0f);
+}
 
 // Where much of the map is hidden, a part of the control leaves less to samples than all of it.
 struct ControlWeightView {

@@ -139,8 +139,10 @@ HWY_INLINE V3 ToWorld(const Frame& frame, const V3& w) {
 class RowCompressor {
  public:
   HWY_INLINE explicit RowCompressor(MU mask)
-      : mask_(mask), count_(static_cast<std::uint32_t>(hn::CountTrue(U(), mask))) {
-#if HWY_TARGET > HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+      : count_(static_cast<std::uint32_t>(hn::CountTrue(U(), mask))) {
+#if HWY_TARGET <= HWY_AVX3
+    mask_ = mask;
+#elif HWY_TARGET != HWY_SCALAR
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(U(), mask, bits);
     indices_ = hn::LoadU(U(), kCompressTable[bits[0]]);
@@ -167,9 +169,10 @@ class RowCompressor {
   }
 
  private:
-  MU mask_;
   std::uint32_t count_;
-#if HWY_TARGET > HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET <= HWY_AVX3
+  MU mask_;
+#elif HWY_TARGET != HWY_SCALAR
   VU indices_;
 #endif
 };
