@@ -179,7 +179,7 @@ TEST_F(Plan, CrossesAxesInTheOrderOfTheFileTheLastOneFastest) {
   EXPECT_EQ(plan.dimensions[2].labels, (std::vector<std::string>{"0", "120", "240"}));
 }
 
-// Any float is told by nine digits.
+// Nine digits identify any float.
 TEST_F(Plan, NumbersKeepTheirDigits) {
   const BatchPlan plan = Read(std::string(kBase) + kOutput +
                               "[axes]\nenv-rotate = [12.3456789, 3]\n"

@@ -1,4 +1,5 @@
-// Tests the order of a batch with pictures that take no time: failures, changes and what is told.
+// Tests the order of a batch with pictures that take no time: failures, changes and what is
+// reported.
 #include "job/batch/run.h"
 
 #include <gtest/gtest.h>

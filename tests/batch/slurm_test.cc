@@ -113,7 +113,7 @@ TEST_F(SlurmScriptsTest, PartsAreEverySampleOnce) {
 
 TEST_F(SlurmScriptsTest, FinishedPartsAreNotRenderedAgain) {
   SlurmPlan plan = PlanOf(folder_.Path(""), 2);
-  // Makes the file behind --film, or the picture behind -o.
+  // Makes the file after --film, or the picture after -o.
   Command("render",
           "echo \"$1\"; while [[ $# -gt 1 ]]; do "
           "[[ $1 == --film || $1 == -o ]] && touch \"$2\"; shift; done");

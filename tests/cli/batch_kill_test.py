@@ -74,7 +74,7 @@ def check_exr(data):
             block_bytes = zlib.decompress(data[at + 8:at + 8 + size])
             assert len(block_bytes) == raw, f"block {block} is short"
         at += 8 + size
-    assert at == len(data), "bytes behind the last block"
+    assert at == len(data), "bytes after the last block"
 
 
 def check_png(data):
@@ -89,7 +89,7 @@ def check_png(data):
         if kind == b"IDAT":
             pixels += body
         at += 12 + length
-    assert at == len(data), "bytes behind the end"
+    assert at == len(data), "bytes after the end"
     zlib.decompress(pixels)
 
 

@@ -40,7 +40,7 @@ def chunk(kind, body):
 
 
 def filtered(mode, row, above):
-    """A row of RGB pixels behind the filter `mode` of the specification of PNG."""
+    """A row of RGB pixels after the filter `mode` of the specification of PNG."""
     def predicted(i):
         a, b, c = (row[i - 3] if i > 2 else 0), above[i], (above[i - 3] if i > 2 else 0)
         nearest = sorted((abs(a + b - c - x), order) for order, x in enumerate((a, b, c)))[0][1]

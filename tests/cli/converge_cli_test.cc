@@ -426,7 +426,7 @@ TEST_F(Converge, HelpHasExamples) {
   EXPECT_FALSE(Contains(result.out, "--spp "));
 }
 
-// A run is repeated by render, and compare tells the same errors of it.
+// A run is repeated by render, and compare reports the same errors for it.
 TEST_F(Converge, ErrorsOfARunEqualThoseOfCompare) {
   ASSERT_EQ(Run(std::string(kSmall) + "--strategies importance --budgets 2 --repeats 2 "
                                       "--reference-spp 64 --save-reference r.exr --json j.json -q")

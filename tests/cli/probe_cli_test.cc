@@ -191,7 +191,7 @@ TEST_F(ProbeCommand, PlotsAreColouredAsAsked) {
   EXPECT_GT(coloured("log"), 0.4);
 }
 
-// The middle of the sphere is the axis from which it is seen, in the colour that calibrate tells.
+// The middle of the sphere is the axis from which it is seen, in the colour that calibrate prints.
 TEST_F(ProbeCommand, PlotsShowTheRequestedSide) {
   ASSERT_EQ(Probe("calibrate -o axes.exr --height 128"), 0) << out_;
   const std::pair<const char*, Vector3> sides[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},

@@ -73,7 +73,7 @@ TEST_F(RenderCli, ACameraExposesThePng) {
   EXPECT_EQ(ReadImage(Path("sum.exr")).rgb, ReadImage(Path("stops.exr")).rgb);
 }
 
-// A message tells when a flag can have no effect, and only then.
+// A message appears if a flag can have no effect, and only then.
 TEST_F(RenderCli, SaysWhenThereIsNothingToGuide) {
   const auto notes = [&](const std::string& arguments) {
     const Result result = Run("render " + arguments + " --size 4x3 --spp 1 --guide -o a.exr");
@@ -323,7 +323,7 @@ TEST_F(RenderCli, OptionsOfSplitPathsChangeTheRayCounts) {
   };
   const double bounces = rays("bounce", "");
   EXPECT_NEAR(rays("bounce", "--split 3") / bounces, 3, 0.3);
-  // Light samples behind the split cost shadow rays, which the BSDF alone does not need.
+  // Light samples after the split cost shadow rays, which the BSDF alone does not need.
   const double by_map = rays("shadow", "--split 3 --strategy importance");
   const double by_bsdf =
       rays("shadow", "--split 3 --strategy importance --continuation-strategy bsdf");

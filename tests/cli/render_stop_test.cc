@@ -195,7 +195,7 @@ TEST_F(Disk, ALimitOfFileSizesLeavesTheOldFile) {
   EXPECT_TRUE(Bytes("a.exr") == picture);
   ExpectFails(limited + large + "--film a.film 2>../err", "a.film: cannot be written");
   EXPECT_TRUE(Bytes("a.film") == film);
-  // It takes longer than it is until somebody looks at the clock. The picture is smaller than its
+  // It takes longer than the time until the clock is checked. The picture is smaller than its
   // checkpoint, so it is written.
   EXPECT_EQ(Shell("ulimit -f 1000; $skywave " + std::string(kPicture) +
                   "--threads 1 --checkpoint 0.01 -o a.exr 2>../err"),

@@ -47,7 +47,7 @@ def free_ports(count):
 
 
 class Cluster:
-    """Use it with `with`: whatever happens inside, all daemons have ended behind it."""
+    """Use it with `with`: whatever happens inside, all daemons have ended after it."""
 
     def __init__(self, folder, cpus=2):
         # Sockets have short names, and munge wants folders that nobody else can write to.

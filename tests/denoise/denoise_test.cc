@@ -1,5 +1,5 @@
 // Pictures whose truth and noise are known: the denoiser has to come nearer to the truth, keep what
-// features and statistics tell apart, keep energy, and know its error.
+// features and statistics distinguish, keep energy, and estimate its error.
 #include "job/denoise/denoise.h"
 
 #include <gtest/gtest.h>

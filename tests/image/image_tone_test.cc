@@ -50,7 +50,7 @@ TEST(ToneMap, ClippedValuesFollowSrgb) {
   EXPECT_EQ(MapGrey({0, 0.001f, 0.18f, 0.2141f, 0.5f, 1, 7}, {}),
             (std::vector<int>{0, 3, 118, 128, 188, 255, 255}));
   EXPECT_EQ(MapGrey({-1, kNan, -kInf, kInf}, {}), (std::vector<int>{0, 0, 0, 255}));
-  // On both sides of the knee at 0.0031308, whose code is 10.3, and in the dark greys behind it.
+  // On both sides of the knee at 0.0031308, whose code is 10.3, and in the dark greys below it.
   EXPECT_EQ(MapGrey({0.002f, 0.003f, 0.0035f, 0.005f, 0.01f, 0.02f, 0.03f, 0.05f, 0.1f}, {}),
             (std::vector<int>{7, 10, 11, 16, 25, 39, 48, 63, 89}));
 }

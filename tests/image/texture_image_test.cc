@@ -122,7 +122,7 @@ TEST(TextureImages, PngOfSixteenBitsIsEncodedLikeThatOfEight) {
 TEST(TextureImages, PngIsTheSameWithAGammaOfItsOwn) {
   const auto rgb = Pixels(19, 7);
   const std::string plain = EncodePng(19, 7, rgb);
-  // The length, 100000 (a gamma of 1), and their CRC as libpng has it stand behind IHDR.
+  // The length, 100000 (a gamma of 1), and their CRC as libpng has it come after IHDR.
   const std::string gamma("\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f", 16);
   const std::size_t behind = plain.find("sRGB") - 4;
   std::string png = plain.substr(0, behind) + gamma + plain.substr(behind + 13);

@@ -112,7 +112,7 @@ TEST_F(Cache, FailedValuesAreTriedAgain) {
   EXPECT_EQ(Get(cache, "a")->number, 1);
 }
 
-// Everything that tells whether two jobs are the same, and one sample of every pixel.
+// Everything that shows whether two jobs are the same, and one sample of every pixel.
 struct Outcome {
   std::string command;
   std::uint64_t scene_hash, map_hash;

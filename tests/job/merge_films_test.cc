@@ -159,7 +159,7 @@ void ExpectBytesOfOneRender(const JobRequest& request, int splits, bool samples_
   }
 }
 
-// A farm renders no part twice that it was told to be there, so neither bytes nor name may be lost
+// A farm renders no part twice that was reported as there, so neither bytes nor name may be lost
 // with the power.
 TEST(MergeFilms, AFilmIsFlushedBeforeItsName) {
   const TemporaryFolder folder;

@@ -161,7 +161,7 @@ TEST_F(Session, ResumesACompleteCheckpoint) {
     SCOPED_TRACE(ToString(integrator));
     JobRequest request = Request();
     request.integrator = integrator;
-    // It is stopped while the last tile is told.
+    // It is stopped while the last tile is reported.
     SessionRequest stopped = {.checkpoint = {.path = path()}};
     stopped.tell = [](double done) { return done < 1; };
     std::atomic<int> tiles = all;
@@ -387,7 +387,7 @@ TEST(Limits, StepsFollowNoiseAndTime) {
   EXPECT_EQ(by_time(600), 600u);
   elapsed = 1;
   EXPECT_EQ(by_time(900), 1100u) << "all samples";
-  // A black film has no noise, but nobody looks before there are eight samples.
+  // A black film has no noise, but the noise is not checked before there are eight samples.
   const auto by_noise = rule({.noise = 0.1});
   EXPECT_EQ(by_noise(100), 108u);
   EXPECT_EQ(by_noise(107), 108u);

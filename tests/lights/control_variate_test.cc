@@ -1,4 +1,4 @@
-// Tests the control variate of irradiance: what is subtracted at samples is, in the mean, what is
+// Tests the control variate of irradiance: what is subtracted at samples is, on average, what is
 // added for certain, whatever the BSDF, the map and the strategy.
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ TEST(ControlVariate, BlackMapsAddNothing) {
 class ControlOfBsdf : public testing::TestWithParam<std::uint32_t> {};
 
 // Light samples and scattered rays subtract the control under multiple importance sampling; the
-// first light sample adds its integral. In the mean nothing is left, on either side of a surface
+// first light sample adds its integral. On average nothing is left, on either side of a surface
 // that transmits and where the shading normal is not that of the triangle.
 TEST_P(ControlOfBsdf, AddedAndSubtractedPartsCancelOnAverage) {
   constexpr std::uint32_t kSamples = 200000;

@@ -229,7 +229,7 @@ TEST(Copies, ArePinnedProcessesOfTheirOwn) {
   }
 }
 
-// One copy is late by 50 ms twice. After Meet, and after Finish, nobody is earlier than that one.
+// One copy is late by 50 ms twice. After Meet, and after Finish, no copy is earlier than that one.
 TEST(Copies, WaitForTheLastOne) {
   const TemporaryFolder folder;
   const auto begin = Clock::now();
@@ -260,7 +260,8 @@ TEST(Copies, OneThatFailsEndsAll) {
     }
     return "";
   };
-  // The copy on the second processor, or the only one, would fail; a file tells who is first.
+  // The copy on the second processor, or the only one, would fail; a file shows which copy is
+  // first.
   const TemporaryFolder folder;
   const auto is_first = [&] { return ::mkdir(folder.Path("taken").c_str(), 0700) == 0; };
   const std::string thrown = run([&](CopyBarrier& barrier) -> std::string {

@@ -74,7 +74,7 @@ TEST(Control, KeepsEveryMaterial) {
   ExpectSameWithControl(BuiltinScene("materials"), Integrator::kPath);
 }
 
-// An open ground under a sky is known in the mean: no sample of it is noisy.
+// The light of an open ground under a sky is known analytically: no sample of it is noisy.
 TEST(Control, LeavesNoNoiseOnOpenGround) {
   Scene scene;
   Place(scene, Quad(50), AddLambert(scene, "floor", {0.2f, 0.5f, 0.9f}), glm::vec3(0));

@@ -137,7 +137,7 @@ TEST(LightTracing, MatchesPathTracingThroughALens) {
   ExpectSame(scene, Request(3));
 }
 
-// Far out of focus and under a filter of several pixels the shape of a spot tells whether the point
+// Far out of focus and under a filter of several pixels the shape of a spot shows whether the point
 // of the lens and the pixel are chosen independently.
 TEST(LightTracing, MatchesPathTracingOutOfFocusUnderAWideFilter) {
   Scene scene;

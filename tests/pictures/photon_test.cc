@@ -192,7 +192,7 @@ TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
   }
 }
 
-// Returns where the photons of a map came from and arrived, which tells light paths apart.
+// Returns where the photons of a map came from and arrived, which identifies light paths.
 std::set<std::array<float, 3>> PlacesOf(const PhotonMap& map) {
   const PointTreeView tree = map.view().tree;
   std::set<std::array<float, 3>> places;

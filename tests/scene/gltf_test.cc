@@ -173,7 +173,7 @@ TEST_F(Gltf, TheDefaultSceneIsRead) {
   const Scene first = Read(document);
   ASSERT_EQ(first.meshes.size(), 1u);
   ExpectNear(first.meshes[0].positions[1], {4, 0, 0});
-  // Without any scene, what is nobody's child is shown.
+  // Without any scene, nodes without a parent are shown.
   document = Document();
   document.erase("scene"), document.erase("scenes");
   EXPECT_EQ(Read(document).meshes.size(), 2u);
@@ -201,7 +201,7 @@ TEST(GltfMeshes, StripsAndFansAreWoundAsTheSpecificationSays) {
   EXPECT_EQ(triangles(6), (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
 }
 
-// Positions, coordinates of two sets and a number that nobody reads, vertex by vertex in one view.
+// Positions, coordinates of two sets and a number that is not read, vertex by vertex in one view.
 TEST(GltfMeshes, AttributesMayBeInterleavedAndMaterialsChooseTheirCoordinates) {
   GltfDocument document;
   std::vector<float> vertices;

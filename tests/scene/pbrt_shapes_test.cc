@@ -138,7 +138,7 @@ TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
   EXPECT_EQ(turned.normals[0], glm::vec3(0, 0, -1));
 }
 
-// The patch is a flat unit square, so that positions tell u and v of the patch.
+// The patch is a flat unit square, so that positions give u and v of the patch.
 TEST(BilinearMesh, IsCutWhereItsCoordinatesBend) {
   const Mesh mesh = Shape(
       "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "

@@ -308,7 +308,7 @@ TEST(SolidTextures, FollowSmallTriangles) {
   EXPECT_TRUE(scene.textures.at(0).one_level);
 }
 
-// A shape leaves texels for those behind it, and its parameters share what it takes.
+// A shape leaves texels for those after it, and its parameters share what it takes.
 TEST(SolidTextures, LeaveTexelsForOthers) {
   const auto shape = [](int count) {
     std::string triangles;

@@ -33,7 +33,7 @@ class Viewer {
   enum class Habit {
     kReads,
     kIgnores,  // takes the connection and reads nothing, with as small a buffer as there is
-    kLeaves    // closes it behind the first packet
+    kLeaves    // closes it after the first packet
   };
 
   explicit Viewer(Habit habit = Habit::kReads) : habit_(habit), listener_(Listen()) {

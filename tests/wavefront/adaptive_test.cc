@@ -103,7 +103,7 @@ TEST(Adaptive, PixelsHaveTheFirstSamplesOfThePicture) {
     }
     EXPECT_GT(pixels, 0u);
   }
-  // The layer `samples` tells the pixel's own number, by which its values have been divided.
+  // The layer `samples` has the pixel's own number, by which its values have been divided.
   const std::vector<NamedChannel> layers = adaptive.film.ResolveAovs(adaptive.samples);
   for (const NamedChannel& layer : layers) {
     if (layer.name == "coverage.V") {
@@ -242,7 +242,7 @@ TEST(WantedSamples, AreTheFewestForTheError) {
   }
   for (int y = 0; y < kDown; ++y) {
     for (int x = 0; x < kAcross; ++x) {
-      // Blocks at the borders of the halves know of both, and weigh a few percent in
+      // Blocks at the borders of the halves see both, and weigh a few percent in
       // the sum.
       if (x == kAcross / 2 - 1 || x == kAcross / 2 || std::abs(2 * y + 1 - kDown) < 5) continue;
       const double expected = relative(x, y) * sum / (0.1 * 0.1);

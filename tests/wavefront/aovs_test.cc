@@ -208,8 +208,8 @@ TEST(Aovs, CoordinatesAreThoseOfThePlace) {
   EXPECT_GT(most, 0.3) << "samples are not all in the middle";
 }
 
-// A triangle for each of 16 x 16 parts of a pixel tells which part a sample has seen, and all
-// samples of a pixel one by one tell which of them is nearest.
+// A triangle for each of 16 x 16 parts of a pixel shows which part a sample has seen, and all
+// samples of a pixel one by one show which of them is nearest.
 TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
   constexpr int kParts = 16, kPixels = 4, kSide = kParts * kPixels;
   constexpr std::uint32_t kSamples = 8;

@@ -323,8 +323,8 @@ TEST(Fisheye, SeesNothingOutsideOfItsCircle) {
   }
 }
 
-// The rays of a pixel and of its neighbours span an area: that of a square of the size told, where
-// pixels are not slanted.
+// The rays of a pixel and of its neighbours span an area: that of a square of the size returned,
+// where pixels are not slanted.
 TEST(PixelSize, IsTheSideOfWhatAPixelCovers) {
   const std::vector<float> none(kFilterCells + 1);  // rays go through the middles of pixels
   struct Row {
