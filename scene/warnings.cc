@@ -4,12 +4,32 @@
 
 namespace skywave {
 
+namespace {
+
+// Names of files may hold codes that a terminal obeys.
+std::string WithoutControlCodes(std::string text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // In UTF-8, the codes from 0x80 to 0x9f begin with 0xc2.
+    const bool second =
+        i > 0 && static_cast<unsigned char>(text[i - 1]) == 0xc2 && byte >= 0x80 && byte < 0xa0;
+    if (second) text[i - 1] = '?';
+    if (byte < 0x20 || byte == 0x7f || second) text[i] = '?';
+  }
+  return text;
+}
+
+}  // namespace
+
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text) {
-  if (warnings.strict) throw InputError(position, text + " (refused by --strict)");
+  if (warnings.strict) {
+    throw InputError(position, WithoutControlCodes(text) + " (refused by --strict)");
+  }
   AddNote(warnings, position, text);
 }
 
-void AddNote(Warnings& warnings, const InputPosition& position, const std::string& text) {
+void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw) {
+  const std::string text = WithoutControlCodes(raw);
   const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());
   if (is_new) warnings.entries.push_back({position, text, 0});
   ++warnings.entries[found->second].count;

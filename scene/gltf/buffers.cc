@@ -12,7 +12,7 @@
 namespace skywave {
 namespace {
 
-// Elements of a sparse accessor without a buffer view, at most: nothing in the file bounds them.
+// Elements of an accessor without a buffer view, at most: nothing in the file bounds them.
 constexpr std::size_t kMostZeros = std::size_t{1} << 22;
 
 // Describes the elements of an accessor in place.
@@ -183,7 +183,7 @@ std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, i
   const tinygltf::Accessor& from = FindAccessor(model, accessor, components, path);
   const bool sparse = from.sparse.isSparse;
   std::vector<float> numbers;
-  if (sparse && from.bufferView < 0) {  // all elements are zero but those that are replaced
+  if (from.bufferView < 0) {  // all elements are zero but those that a sparse one replaces
     if (from.count > kMostZeros) {
       FailGltf(path, fmt::format("accessor {} has {} elements without a buffer view, and {} are "
                                  "the most that are read",
@@ -202,14 +202,26 @@ std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, i
 
 std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int accessor,
                                            const std::string& path) {
-  const Elements e = ElementsOfAccessor(model, accessor, 1, path);
-  if (model.accessors[std::size_t(accessor)].sparse.isSparse) {
-    FailGltf(path,
-             fmt::format("accessor {} has sparse indices, which are not supported", accessor));
-  }
-  if (!IsIndexType(e.type)) {
+  const tinygltf::Accessor& from = FindAccessor(model, accessor, 1, path);
+  if (!IsIndexType(from.componentType)) {
     FailGltf(path, fmt::format("accessor {} has indices that are no unsigned integers", accessor));
   }
+  if (from.bufferView < 0 || from.sparse.isSparse) {
+    const std::vector<float> numbers = ReadGltfNumbers(model, accessor, 1, path);
+    // Floats hold integers exactly up to here; a mesh of more vertices has a buffer view as a rule.
+    constexpr float kLargestExact = 16777216;
+    std::vector<std::uint32_t> indices;
+    for (const float number : numbers) {
+      if (number >= kLargestExact) {
+        FailGltf(path, fmt::format("accessor {} has sparse indices above 16777215, which are not "
+                                   "supported",
+                                   accessor));
+      }
+      indices.push_back(std::uint32_t(number));
+    }
+    return indices;
+  }
+  const Elements e = ElementsOfAccessor(model, accessor, 1, path);
   std::vector<std::uint32_t> indices(e.count);
   for (std::size_t i = 0; i < e.count; ++i) indices[i] = ReadIndex(e, i);
   return indices;

@@ -21,10 +21,16 @@ struct Context {
   Scene& scene;
   Warnings& warnings;
   std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
+  std::string material = {};  // the one that is being made
 };
 
 void Warn(Context& context, const std::string& text) {
   AddWarning(context.warnings, InputPosition::File(context.path), text);
+}
+
+// The same with the name of the material.
+void WarnOfMaterial(Context& context, const std::string& text) {
+  Warn(context, fmt::format("material '{}': {}", context.material, text));
 }
 
 // Returns a number of an extension, or `otherwise` if it has none.
@@ -54,6 +60,7 @@ std::uint32_t AddImage(Context& context, int index, Encoding encoding) {
   const std::string name = fmt::format("{}, image {}", context.path, index);
   std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());
   if (image.bufferView >= 0) bytes = GltfBytes(context.model, image.bufferView, context.path);
+  if (bytes.empty()) throw InputError(InputPosition::File(name), "is missing or empty");
   if (!IsPngOrJpeg(bytes)) {
     throw InputError(InputPosition::File(name), "is neither PNG nor JPEG");
   }
@@ -98,10 +105,30 @@ std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Enco
   Texture texture;
   texture.use = use;
   set = info.texCoord;
-  texture.image = AddImage(context, from.source, encoding);
+  std::string problem;
+  try {
+    texture.image = AddImage(context, from.source, encoding);
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  if (!problem.empty()) {
+    // The names of data URIs are their bytes, and empty here.
+    std::string uri;
+    if (std::size_t(from.source) < context.model.images.size()) {
+      uri = context.model.images[std::size_t(from.source)].uri;
+    }
+    WarnOfMaterial(context, fmt::format("texture {} is left out: {}{}", info.index, problem,
+                                        uri.empty() ? "" : fmt::format(" (\"{}\")", uri)));
+    return std::nullopt;
+  }
   if (from.sampler >= 0 && std::size_t(from.sampler) < context.model.samplers.size()) {
     const tinygltf::Sampler& sampler = context.model.samplers[std::size_t(from.sampler)];
     texture.wrap_u = Wrap(sampler.wrapS), texture.wrap_v = Wrap(sampler.wrapT);
+    if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) {
+      WarnOfMaterial(context,
+                     "samplers of the filter NEAREST are not supported: textures are "
+                     "interpolated");
+    }
   }
   if (const auto found = info.extensions.find("KHR_texture_transform");
       found != info.extensions.end()) {
@@ -210,6 +237,42 @@ glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
   return absorption;
 }
 
+// Returns whether the material is rendered as glass. The rest of the model is a mixture of glass
+// and of an opaque or metallic base, of which the larger part is rendered.
+bool IsGlass(Context& context, const tinygltf::Material& from, float metallic) {
+  const tinygltf::Value* const found = Extension(from, "KHR_materials_transmission");
+  if (found == nullptr) return false;
+  const double factor =
+      Fraction(context, "transmissionFactor", Number(*found, "transmissionFactor", 0));
+  // The default of the metallic factor is 1, and a texture has the values as a rule.
+  const bool textured = from.pbrMetallicRoughness.metallicRoughnessTexture.index >= 0;
+  const double share = textured ? factor : factor * (1 - double(metallic));
+  const bool glass = share >= 0.5;
+  if (share > 0 && share < 1) {
+    WarnOfMaterial(context, fmt::format("partial transmission of {:.3g} is not supported: it is "
+                                        "rendered {}",
+                                        share, glass ? "as glass" : "without transmission"));
+  }
+  return glass;
+}
+
+void WarnOfGlass(Context& context, const tinygltf::Material& from, const Material& opaque) {
+  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
+  if (pbr.baseColorTexture.index >= 0) {
+    WarnOfMaterial(context,
+                   "the baseColorTexture of transmission is not supported: its factor is "
+                   "used everywhere");
+  }
+  if (pbr.metallicRoughnessTexture.index >= 0) {
+    WarnOfMaterial(context,
+                   "the metallicRoughnessTexture of transmission is not supported: its "
+                   "roughness factor is used everywhere, and no metal");
+  }
+  if (opaque.reflectance != glm::vec3(1)) {
+    WarnOfMaterial(context, "the colour of transmission is rendered on reflections too");
+  }
+}
+
 // Without a volume, the extension describes a thin pane.
 Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
   const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
@@ -306,6 +369,7 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
   const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
   Material material;
   material.name = from.name;
+  context.material = from.name;
   material.bsdf = BsdfKind::kMetallicRoughness;
   for (std::size_t c = 0; c < 3; ++c) {
     const double factor = c < pbr.baseColorFactor.size() ? pbr.baseColorFactor[c] : 1;
@@ -325,8 +389,8 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
   }
   uv_set = -1;
   int roughness_set = -1, normal_set = -1;
-  if (const auto* found = Extension(from, "KHR_materials_transmission");
-      found != nullptr && Number(*found, "transmissionFactor", 0) >= 0.5) {
+  if (IsGlass(context, from, material.metallic)) {
+    WarnOfGlass(context, from, material);
     material = Transmission(context, from, material);
   } else {
     SetSpecular(context, from, material);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/error.h"
@@ -83,22 +84,52 @@ std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
   return colors;
 }
 
+// Adds the displacements of morph targets, each times its weight, to the elements of an attribute.
+// `stride` is the number of components of an element; a displacement has three.
+void Morph(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+           const std::string& name, std::size_t stride, const std::vector<double>& weights,
+           const std::string& path, std::vector<float>& numbers) {
+  const std::size_t targets = std::min(weights.size(), primitive.targets.size());
+  for (std::size_t t = 0; t < targets; ++t) {
+    const auto found = primitive.targets[t].find(name);
+    if (weights[t] == 0 || found == primitive.targets[t].end() || numbers.empty()) continue;
+    const std::vector<float> moves = ReadGltfNumbers(model, found->second, 3, path);
+    if (moves.size() / 3 != numbers.size() / stride) {
+      FailGltf(path, fmt::format("{} of morph target {} has {} elements for {} vertices", name, t,
+                                 moves.size() / 3, numbers.size() / stride));
+    }
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      float& number = numbers[i / 3 * stride + i % 3];
+      number = float(number + weights[t] * moves[i]);
+      if (!std::isfinite(number)) {
+        FailGltf(path, fmt::format("morph target {} moves vertex {} to no place", t, i / 3));
+      }
+    }
+  }
+}
+
 Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int mode,
-              const GltfMaterials& materials, const std::string& path, Warnings& warnings) {
+              const std::vector<double>& weights, const GltfMaterials& materials,
+              const std::string& path, Warnings& warnings) {
   Mesh mesh;
   const int count = int(materials.uv_set.size()) - 1;
   if (primitive.material >= count) {
     FailGltf(path, fmt::format("there is no material {}", primitive.material));
   }
   mesh.material = std::uint32_t(primitive.material < 0 ? count : primitive.material);
-  mesh.positions = Vectors(Attribute(model, primitive, "POSITION", 3, 0, path));
+  std::vector<float> positions = Attribute(model, primitive, "POSITION", 3, 0, path);
+  Morph(model, primitive, "POSITION", 3, weights, path, positions);
+  mesh.positions = Vectors(positions);
   const std::size_t vertices = mesh.positions.size();
-  mesh.normals = Vectors(Attribute(model, primitive, "NORMAL", 3, vertices, path));
+  std::vector<float> normals = Attribute(model, primitive, "NORMAL", 3, vertices, path);
+  Morph(model, primitive, "NORMAL", 3, weights, path, normals);
+  mesh.normals = Vectors(normals);
   const std::string set = fmt::format("TEXCOORD_{}", materials.uv_set[mesh.material]);
   const std::vector<float> uvs = Attribute(model, primitive, set, 2, vertices, path);
   for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
   if (materials.uses_tangents[mesh.material]) {
-    const std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
+    std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
+    Morph(model, primitive, "TANGENT", 4, weights, path, t);
     for (std::size_t i = 0; i + 3 < t.size(); i += 4) {
       mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
     }
@@ -121,8 +152,8 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
 }  // namespace
 
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
-                                 const GltfMaterials& materials, const std::string& path,
-                                 Warnings& warnings) {
+                                 const std::vector<double>& weights, const GltfMaterials& materials,
+                                 const std::string& path, Warnings& warnings) {
   if (std::size_t(mesh) >= model.meshes.size())
     FailGltf(path, fmt::format("there is no mesh {}", mesh));
   const tinygltf::Mesh& from = model.meshes[std::size_t(mesh)];
@@ -133,7 +164,13 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
       AddWarning(warnings, InputPosition::File(path), "points and lines are left out");
       continue;
     }
-    meshes.push_back(MakeMesh(model, primitive, mode, materials, path, warnings));
+    if (!primitive.attributes.contains("POSITION")) {
+      AddWarning(
+          warnings, InputPosition::File(path),
+          fmt::format("mesh {} '{}' has a primitive without positions: left out", mesh, from.name));
+      continue;
+    }
+    meshes.push_back(MakeMesh(model, primitive, mode, weights, materials, path, warnings));
     meshes.back().name = from.name.empty() ? fmt::format("mesh {}", mesh) : from.name;
   }
   return meshes;

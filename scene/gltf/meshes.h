@@ -12,10 +12,11 @@
 
 namespace skywave {
 
-// Returns one untransformed mesh per primitive: triangles, strips and fans. Primitives without
-// normals are shaded flat, as glTF requires. Throws InputError(path).
+// Returns one untransformed mesh per primitive: triangles, strips and fans, moved by morph targets
+// of these weights. Primitives without normals are shaded flat, as glTF requires; those without
+// positions are left out with a warning. Throws InputError(path).
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
-                                 const GltfMaterials& materials, const std::string& path,
-                                 Warnings& warnings);
+                                 const std::vector<double>& weights, const GltfMaterials& materials,
+                                 const std::string& path, Warnings& warnings);
 
 }  // namespace skywave

@@ -124,19 +124,21 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   if (!folder.refused.empty()) {
     FailGltf(path, fmt::format("names \"{}\", which is not below its folder", folder.refused));
   }
-  if (!loaded) {
-    std::replace(error.begin(), error.end(), '\n', ' ');
-    FailGltf(path, "is no glTF file to read: " + error.substr(0, 300));
-  }
+  // An extension that is missing here may be why the file was not understood, so it comes first.
   for (const std::string& extension : model.extensionsRequired) {
     static const char* const kKnown[] = {
         "KHR_texture_transform", "KHR_materials_ior",      "KHR_materials_transmission",
         "KHR_materials_unlit",   "KHR_mesh_quantization",  "KHR_materials_emissive_strength",
         "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
-        "KHR_materials_sheen",   "KHR_materials_volume",   "EXT_mesh_gpu_instancing"};
+        "KHR_materials_sheen",   "KHR_materials_volume",   "EXT_mesh_gpu_instancing",
+        "KHR_node_visibility"};
     if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
       FailGltf(path, fmt::format("needs the extension {}, which is not supported", extension));
     }
+  }
+  if (!loaded) {
+    std::replace(error.begin(), error.end(), '\n', ' ');
+    FailGltf(path, "is no glTF file to read: " + error.substr(0, 300));
   }
   return model;
 }
@@ -247,27 +249,26 @@ class MeshAdder {
         path_(path),
         max_triangles_(max_triangles),
         scene_(scene),
-        warnings_(warnings),
-        places_(model.meshes.size()) {
+        warnings_(warnings) {
     for (const tinygltf::Node& node : model.nodes) {
-      if (node.mesh < 0 || std::size_t(node.mesh) >= places_.size()) continue;
-      places_[std::size_t(node.mesh)] += HasGltfInstances(node) ? 2 : 1;
+      if (node.mesh < 0 || std::size_t(node.mesh) >= model.meshes.size()) continue;
+      places_[ShapeOf(node)] += HasGltfInstances(node) ? 2 : 1;
     }
   }
 
   void Add(const tinygltf::Node& node, const glm::dmat4& world) {
-    if (std::size_t(node.mesh) >= places_.size() || places_[std::size_t(node.mesh)] < 2) {
-      for (Mesh& mesh : Read(node.mesh)) {
+    const Shape shape = ShapeOf(node);
+    if (places_[shape] < 2) {
+      for (Mesh& mesh : Read(shape)) {
         TransformMesh(world, mesh);
         scene_.meshes.push_back(std::move(mesh));
       }
       return;
     }
-    const auto [object, is_new] =
-        objects_.try_emplace(node.mesh, std::uint32_t(scene_.objects.size()));
+    const auto [object, is_new] = objects_.try_emplace(shape, std::uint32_t(scene_.objects.size()));
     if (is_new) {
       scene_.objects.push_back({.name = model_.meshes[std::size_t(node.mesh)].name, .meshes = {}});
-      scene_.objects.back().meshes = Read(node.mesh);
+      scene_.objects.back().meshes = Read(shape);
     }
     for (const glm::dmat4& local : GltfInstances(model_, node, path_)) {
       scene_.instances.push_back({.object = object->second,
@@ -280,8 +281,20 @@ class MeshAdder {
   }
 
  private:
-  std::vector<Mesh> Read(int index) {
-    std::vector<Mesh> meshes = MakeGltfMeshes(model_, index, materials_, path_, warnings_);
+  // A mesh, and the weights of its morph targets.
+  using Shape = std::pair<int, std::vector<double>>;
+
+  // Weights of a node are taken before those of its mesh.
+  Shape ShapeOf(const tinygltf::Node& node) const {
+    if (std::size_t(node.mesh) >= model_.meshes.size() || !node.weights.empty()) {
+      return {node.mesh, node.weights};
+    }
+    return {node.mesh, model_.meshes[std::size_t(node.mesh)].weights};
+  }
+
+  std::vector<Mesh> Read(const Shape& shape) {
+    std::vector<Mesh> meshes =
+        MakeGltfMeshes(model_, shape.first, shape.second, materials_, path_, warnings_);
     for (const Mesh& mesh : meshes) triangles_ += mesh.triangles.size();
     if (triangles_ > max_triangles_) {
       FailGltf(path_, fmt::format("has more than {} triangles (`max-triangles`)", max_triangles_));
@@ -295,10 +308,19 @@ class MeshAdder {
   std::size_t max_triangles_;
   Scene& scene_;
   Warnings& warnings_;
-  std::vector<std::size_t> places_;  // by mesh, how often it stands in the scene, at least
-  std::map<int, std::uint32_t> objects_;
+  std::map<Shape, std::size_t> places_;  // how often it stands in the scene, at least
+  std::map<Shape, std::uint32_t> objects_;
   std::size_t triangles_ = 0;
 };
+
+// Returns whether KHR_node_visibility hides the node and all below it.
+bool IsHidden(const tinygltf::Node& node) {
+  const auto found = node.extensions.find("KHR_node_visibility");
+  if (found == node.extensions.end() || !found->second.IsObject()) return false;
+  if (!found->second.Has("visible")) return false;
+  const tinygltf::Value& visible = found->second.Get("visible");
+  return visible.IsBool() && !visible.Get<bool>();
+}
 
 // Walks the trees below the roots; every node has at most one parent.
 void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
@@ -306,9 +328,10 @@ void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
   struct Visit {
     int node;
     glm::dmat4 parent;
+    bool hidden = false;
   };
   std::vector<Visit> open;
-  for (const int root : Roots(model, path)) open.push_back({root, glm::dmat4(1)});
+  for (const int root : Roots(model, path)) open.push_back({root, glm::dmat4(1), false});
   std::reverse(open.begin(), open.end());
   std::vector<bool> seen(model.nodes.size());
   std::set<std::string> camera_names;
@@ -324,16 +347,17 @@ void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
     seen[std::size_t(visit.node)] = true;
     const tinygltf::Node& node = model.nodes[std::size_t(visit.node)];
     const glm::dmat4 world = visit.parent * LocalTransform(node, poses[std::size_t(visit.node)]);
-    if (node.skin >= 0) {
+    const bool hidden = visit.hidden || IsHidden(node);
+    if (node.skin >= 0 && !hidden) {
       AddWarning(warnings, InputPosition::File(path), "skins are not supported: left at rest");
     }
-    if (node.mesh >= 0) adder.Add(node, world);
-    AddGltfLight(model, node, world, path, scene, warnings);
+    if (node.mesh >= 0 && !hidden) adder.Add(node, world);
+    if (!hidden) AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0) {
       AddCamera(model, std::size_t(visit.node), world, path, camera_names, scene, warnings);
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-      open.push_back({*child, world});
+      open.push_back({*child, world, hidden});
     }
   }
 }

@@ -195,6 +195,8 @@ TEST_F(Gltf, VolumesAbsorb) {
        {{"thicknessFactor", 1},
         {"attenuationDistance", 2.0},
         {"attenuationColor", {0.25, 1.0, 0.5}}}}};
+  document["materials"][0]["pbrMetallicRoughness"] = {{"metallicFactor", 0},
+                                                      {"roughnessFactor", 0.5}};
   const Scene scene = Read(document);
   EXPECT_TRUE(scene.warnings.empty());
   const glm::vec3 absorption = scene.materials[0].absorption;
@@ -222,6 +224,39 @@ TEST_F(Gltf, TransmissionAndIndicesMakeGlass) {
   document["materials"][0]["extensions"].erase("KHR_materials_transmission");
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+}
+
+// Metals and partial glass are mixtures, of which the larger part is rendered.
+TEST_F(Gltf, TransmissionThatIsNotRenderedIsNamed) {
+  json document = Document();
+  json& material = document["materials"][0];
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr = {{"metallicFactor", 1}, {"roughnessFactor", 0}};
+  material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+  const Scene metal = Read(document);
+  EXPECT_EQ(metal.materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_TRUE(metal.warnings.empty());
+  const auto warns = [&](const std::string& of) {
+    const Scene scene = Read(document);
+    return scene.warnings.size() == 1 && scene.warnings[0].find(of) != std::string::npos &&
+           scene.warnings[0].find("'paint'") != std::string::npos;
+  };
+  pbr["metallicFactor"] = 0;
+  EXPECT_TRUE(Read(document).warnings.empty());
+  material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 0.4;
+  EXPECT_TRUE(warns("partial transmission of 0.4"));
+  material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
+  pbr["baseColorFactor"] = {1, 0.5, 1, 1};
+  EXPECT_TRUE(warns("on reflections too"));
+  pbr.erase("baseColorFactor");
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  pbr["baseColorTexture"] = {{"index", 0}};
+  EXPECT_TRUE(warns("baseColorTexture"));
+  pbr.erase("baseColorTexture");
+  pbr["metallicRoughnessTexture"] = {{"index", 0}};
+  EXPECT_TRUE(warns("metallicRoughnessTexture"));
 }
 
 TEST_F(Gltf, CoatSheenAndSpecularAreRead) {

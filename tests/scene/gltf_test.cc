@@ -307,8 +307,7 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
   refused("/buffers/0/uri", "data:application/octet-stream;base64,AAAA");
   refused("/extensionsRequired", {"KHR_draco_mesh_compression"});
   refused("/nodes/1/scale", {std::numeric_limits<double>::max(), 1, 1});
-  for (const char* const uri :
-       {"../a.png", "/a.png", "missing.png", "a.bin", "data:image/png;base64,AAAA"}) {
+  for (const char* const uri : {"../a.png", "/a.png"}) {
     json document = Document();
     document["images"] = {{{"uri", uri}}};
     document["textures"] = {{{"source", 0}}};
@@ -321,7 +320,7 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
     document["images"] = {{{"uri", "a.pfm"}}};
     document["textures"] = {{{"source", 0}}};
     document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    EXPECT_NE(ErrorOf(document).find("neither PNG nor JPEG"), std::string::npos);
+    EXPECT_NE(Read(document).warnings.at(0).find("neither PNG nor JPEG"), std::string::npos);
   }
   for (const char* const pointer : {"/bufferView", "/mimeType"}) {
     json document = Document();
@@ -335,6 +334,93 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
   EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "")), "");
   EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "{}")), "");
   EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "[1, 2]")), "");
+}
+
+// Broken and missing textures are left out; the warning names texture, reason and material.
+TEST_F(Gltf, TexturesThatCannotBeReadAreLeftOut) {
+  for (const char* const uri : {"missing.png", "a.bin", "data:image/png;base64,AAAA"}) {
+    json document = Document();
+    document["images"] = {{{"uri", uri}}};
+    document["textures"] = {{{"source", 0}}};
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    const Scene scene = Read(document);
+    ASSERT_EQ(scene.warnings.size(), 1u) << uri;
+    EXPECT_NE(scene.warnings[0].find("material 'paint'"), std::string::npos) << scene.warnings[0];
+    EXPECT_FALSE(scene.materials[0].color_texture) << uri;
+    EXPECT_THROW(ReadGltf(folder_.Path("a.gltf"), {.strict = true}), InputError);
+  }
+}
+
+TEST_F(Gltf, NearestSamplersAreNamed) {
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "n.png"}}};
+  document["samplers"] = {{{"magFilter", 9728}}};
+  document["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("NEAREST"), std::string::npos) << scene.warnings[0];
+}
+
+// Weights of a node are taken before those of its mesh; such nodes share no triangles.
+TEST_F(Gltf, MorphTargetsMoveByTheirWeights) {
+  json document = Document();
+  // The positions serve again as displacements.
+  document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+  document["meshes"][0]["weights"] = {0.5};
+  document["nodes"][2]["weights"] = {2.0};
+  const Scene scene = Read(document);
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  ExpectNear(scene.meshes[0].positions[1], {7, 0, 0});  // 1 + 2 * (2 + 0.5 * 2)
+  ExpectNear(scene.meshes[1].positions[1], {1, 6, 0});  // turned: 2 + 2 * 2
+  document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 9}}};
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+TEST_F(Gltf, AccessorsWithoutViewsAreZero) {
+  json document = Document();
+  document["accessors"][2].erase("bufferView");
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.meshes.at(0).uvs.at(1), glm::vec2(0));
+  // Corners 0, 1, 2, of which the last two are replaced by 0 and 1.
+  document["accessors"][3]["sparse"] = {
+      {"count", 2},
+      {"indices", {{"bufferView", 3}, {"byteOffset", 2}, {"componentType", 5123}}},
+      {"values", {{"bufferView", 3}}}};
+  EXPECT_EQ(Read(document).meshes.at(0).triangles, std::vector<glm::uvec3>{glm::uvec3(0, 0, 1)});
+}
+
+TEST_F(Gltf, PrimitivesWithoutPositionsAreLeftOut) {
+  json document = Document();
+  json second = document["meshes"][0]["primitives"][0];
+  second["attributes"].erase("POSITION");
+  document["meshes"][0]["primitives"].push_back(second);
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.meshes.size(), 2u);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("'triangle'"), std::string::npos) << scene.warnings[0];
+}
+
+TEST_F(Gltf, HiddenNodesHideAllBelowThem) {
+  json document = Document();
+  document["nodes"][1]["extensions"] = {{"KHR_node_visibility", {{"visible", false}}}};
+  EXPECT_EQ(Read(document).meshes.size(), 1u);
+  document["nodes"][0]["extensions"] = {{"KHR_node_visibility", {{"visible", true}}}};
+  EXPECT_EQ(Read(document).meshes.size(), 1u);
+  document["nodes"][0]["extensions"] = {{"KHR_node_visibility", {{"visible", false}}}};
+  EXPECT_EQ(Read(document).meshes.size(), 0u);
+}
+
+TEST_F(Gltf, NamesInWarningsHoldNoControlCodes) {
+  json document = Document();
+  document["meshes"][0]["name"] =
+      "\x1b[31m\xc2\x9b"
+      "red";
+  document["meshes"][0]["primitives"][0]["attributes"].erase("POSITION");
+  const Scene scene = Read(document);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("'?[31m??red'"), std::string::npos) << scene.warnings[0];
 }
 
 TEST_F(Gltf, EveryPrefixIsRefusedAndEveryFlippedBitSurvived) {
