@@ -112,10 +112,10 @@ std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Enco
     problem = error.what();
   }
   if (!problem.empty()) {
-    // The names of data URIs are their bytes, and empty here.
+    // What was taken for a name may be the data of a picture.
     std::string uri;
     if (std::size_t(from.source) < context.model.images.size()) {
-      uri = context.model.images[std::size_t(from.source)].uri;
+      uri = context.model.images[std::size_t(from.source)].uri.substr(0, 80);
     }
     WarnOfMaterial(context, fmt::format("texture {} is left out: {}{}", info.index, problem,
                                         uri.empty() ? "" : fmt::format(" (\"{}\")", uri)));

@@ -38,6 +38,8 @@ struct Folder {
 
 // Returns the file of that name, or nothing. tinygltf may prefix names with "./".
 std::optional<fs::path> Inside(Folder& folder, const std::string& name) {
+  // tinygltf takes data of types that it does not know, such as WebP, for names of files.
+  if (name.starts_with("data:") || name.starts_with("./data:")) return std::nullopt;
   const fs::path relative(name);
   const bool leaves = relative.is_absolute() || name.find('\\') != std::string::npos ||
                       name.find(':') != std::string::npos ||

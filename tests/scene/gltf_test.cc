@@ -338,7 +338,8 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
 
 // Broken and missing textures are left out; the warning names texture, reason and material.
 TEST_F(Gltf, TexturesThatCannotBeReadAreLeftOut) {
-  for (const char* const uri : {"missing.png", "a.bin", "data:image/png;base64,AAAA"}) {
+  for (const char* const uri :
+       {"missing.png", "a.bin", "data:image/png;base64,AAAA", "data:image/webp;base64,AAAA"}) {
     json document = Document();
     document["images"] = {{{"uri", uri}}};
     document["textures"] = {{{"source", 0}}};
