@@ -22,7 +22,7 @@ Error::Kind KindOf(const InputError& error) {
 
 std::string NamesOf(const OptionError& error) {
   std::string names;
-  for (const OptionValue& option : error.options()) {
+  for (const skywave::OptionValue& option : error.options()) {
     if (!names.empty()) names += ' ';
     names += option.name;
     if (!option.value.empty()) names += ' ' + option.value;

@@ -17,7 +17,6 @@
 #include "job/options.h"
 #include "job/watch.h"
 #include "scene/embree.h"
-#include "scene/instances.h"
 
 namespace skywave::api {
 namespace {
@@ -40,7 +39,7 @@ void CheckSize(std::span<float> values, std::size_t needed, const std::string& n
 }
 
 // Returns the notes of the job and of the exposure.
-std::vector<std::string> Notes(const Renderer::State& state) {
+std::vector<std::string> Notes(const RendererState& state) {
   std::vector<std::string> notes = state.job->notes();
   if (state.exposure.photo.shutter_seconds > 0) {
     notes.push_back(fmt::format("the PNG is exposed for EV100 {:.2f}: white is {:.4g} cd/m^2",
@@ -50,7 +49,7 @@ std::vector<std::string> Notes(const Renderer::State& state) {
   return notes;
 }
 
-RenderReport Report(const Renderer::State& state) {
+RenderReport Report(const RendererState& state) {
   return {.job = &*state.job,
           .frame = state.finished().frame,
           .write_seconds = state.write_seconds,
@@ -59,7 +58,7 @@ RenderReport Report(const Renderer::State& state) {
 }
 
 // Returns the picture of the rows that have samples of `part`.
-Picture PictureOf(const Renderer::State& state, LayeredImage rows, const PicturePart& part) {
+Picture PictureOf(const RendererState& state, LayeredImage rows, const PicturePart& part) {
   Picture picture = FinishPicture(std::move(rows), state.job->options().aovs, state.identity, part,
                                   state.job->options().threads);
   picture.format = state.format;
@@ -73,46 +72,43 @@ std::string Version() {
   return fmt::format("{} (Embree {})", skywave::Version(), RTC_VERSION_STRING);
 }
 
-std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& request) {
-  std::vector<BoundOption> bound;
-  for (const JobOption& option : JobOptions()) {
-    if (!option.positional && !option.of_reading) bound.push_back(Bind(option, request));
-  }
-  return bound;
+OptionValue::OptionValue(bool value) : text_(value ? "true" : "false") {}
+OptionValue::OptionValue(float value) : text_(fmt::format("{}", value)) {}
+OptionValue::OptionValue(double value) : text_(fmt::format("{}", value)) {}
+
+void SetOptions(const std::vector<BoundOption>& bound, const Options& options) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const auto& [name, value] : options) texts.emplace_back(name, value.text());
+  skywave::SetOptions(bound, texts);
 }
 
-RenderJob MakeJob(Scene::State scene, JobRequest request) {
+RenderJob MakeJob(const SceneState& scene, JobRequest request) {
   request.scene = scene.name();
   request.read = scene.read;
-  ResolveInstances(scene.read, request.scene, scene.scene);
-  if (request.environment.path.empty()) request.environment.image = scene.environment;
-  return RenderJob(std::move(scene.scene), request, scene.load_seconds);
+  request.camera.placed = scene.camera;
+  if (request.environment.path.empty()) {
+    request.environment.image = scene.environment;
+    request.environment.image_hash = scene.environment_hash;
+  }
+  return RenderJob(scene.Share(), request, scene.load_seconds);
 }
 
-Renderer::Renderer(Scene scene, const Options& options) : state_(std::make_unique<State>()) {
+Renderer::Renderer(const Scene& scene, const Options& options)
+    : state_(std::make_unique<RendererState>()) {
   Translated([&] {
-    const auto request = std::make_shared<JobRequest>();
-    const auto exposure = std::make_shared<ExposureRequest>();
-    std::vector<BoundOption> bound = BindJobOptions(request);
-    const auto limits = std::make_shared<RenderLimits>();
-    for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
-      bound.push_back(Bind(option, exposure));
-    }
-    const auto format = std::make_shared<ExrFormat>();
-    for (const OptionOf<ExrFormat>& option : ExrFormatOptions()) {
-      bound.push_back(Bind(option, format));
-    }
-    for (const OptionOf<RenderLimits>& option : LimitOptions()) {
-      bound.push_back(Bind(option, limits));
+    const auto request = std::make_shared<PictureRequest>();
+    std::vector<BoundOption> bound;
+    for (const OptionOf<PictureRequest>& option : PictureOptions()) {
+      if (!option.positional && !option.of_reading) bound.push_back(Bind(option, request));
     }
     SetOptions(bound, options);
-    state_->limits = *limits;
-    state_->format = *format;
-    const bool repeatable = !scene.state().changed;
-    state_->job.emplace(MakeJob(std::move(scene.state()), *request));
-    state_->exposure = ResolveExposure(*exposure, state_->job->request());
-    state_->identity = IdentityOf(*state_->job, state_->exposure, repeatable, *limits);
-    ChooseSamples(*limits, state_->identity.samples);
+    state_->limits = request->limits;
+    state_->format = request->format;
+    state_->job.emplace(MakeJob(*scene.state_, request->job));
+    state_->exposure = ResolveExposure(request->exposure, state_->job->request());
+    state_->identity =
+        IdentityOf(*state_->job, state_->exposure, !scene.state_->changed, state_->limits);
+    ChooseSamples(state_->limits, state_->identity.samples);
     state_->notes = Notes(*state_);
   });
 }
@@ -131,12 +127,8 @@ std::uint64_t Renderer::samples() const {
 const std::vector<Layer>& Renderer::layers() const { return state_->layers; }
 const std::vector<std::string>& Renderer::notes() const { return state_->notes; }
 
-void Renderer::Render(const ProgressCallback& progress) {
-  Render(RenderControl{.progress = progress});
-}
-
 void Renderer::Render(const RenderControl& control) {
-  State& state = *state_;
+  RendererState& state = *state_;
   state.rendered.reset();
   state.write_seconds = 0;
   Translated([&] {
@@ -196,12 +188,12 @@ void Renderer::Render(const RenderControl& control) {
   });
 }
 
-const RenderedFilm& Renderer::State::finished() const {
+const RenderedFilm& RendererState::finished() const {
   Require(rendered.has_value(), "Renderer", "there is no picture yet; call Render first");
   return *rendered;
 }
 
-void Renderer::State::Write(const std::function<void()>& write) {
+void RendererState::Write(const std::function<void()>& write) {
   Translated([&] {
     finished();
     const Clock::time_point start = Clock::now();

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/glm.hpp>
 
@@ -13,6 +14,7 @@
 #include "scene/instances.h"
 #include "scene/materials/parameters.h"
 #include "scene/reader.h"
+#include "scene/scene_hash.h"
 
 namespace skywave::api {
 namespace {
@@ -109,12 +111,36 @@ skywave::Image CopyImage(const ImageArray& image, const std::string& name) {
   return copy;
 }
 
-Scene::Scene() : state_(std::make_unique<State>()) {
-  state_->scene.materials.push_back({.name = "grey"});
+skywave::Scene& SceneState::Change() {
+  shared.reset();  // the cache lets go of the scene, unless a copy of this object shares it
+  if (loaded.use_count() > 1) {
+    loaded = std::make_shared<LoadedScene>(loaded->scene);
+  } else {
+    // What other threads have read of the scene, they read before the change.
+    std::atomic_thread_fence(std::memory_order_acquire);
+  }
+  return loaded->scene;
+}
+
+const SharedScene& SceneState::Share() const {
+  if (shared) return *shared;
+  if (changed && !(scene().instances.empty() && scene().objects.empty())) {
+    auto resolved = std::make_shared<LoadedScene>(scene());
+    ResolveInstances(read, name(), resolved->scene);
+    shared = std::make_shared<SharedScene>(std::move(resolved));
+  } else {
+    shared = std::make_shared<SharedScene>(loaded);
+  }
+  return *shared;
+}
+
+Scene::Scene() : state_(std::make_unique<SceneState>()) {
+  state_->Change().materials.push_back({.name = "grey"});
   state_->changed = true;
 }
 
-Scene::Scene(const std::string& path, const Options& options) : state_(std::make_unique<State>()) {
+Scene::Scene(const std::string& path, const Options& options)
+    : state_(std::make_unique<SceneState>()) {
   Translated([&] {
     const auto request = std::make_shared<JobRequest>();
     std::vector<BoundOption> bound;
@@ -123,17 +149,17 @@ Scene::Scene(const std::string& path, const Options& options) : state_(std::make
     }
     SetOptions(bound, options);
     const Clock::time_point start = Clock::now();
-    state_->scene = ReadScene(path, request->read);
+    state_->loaded = std::make_shared<LoadedScene>(ReadScene(path, request->read));
     state_->source = path;
     state_->read = request->read;
     state_->load_seconds = SecondsSince(start);
   });
 }
 
-Scene::Scene(const Scene& other) : state_(std::make_unique<State>(*other.state_)) {}
+Scene::Scene(const Scene& other) : state_(std::make_unique<SceneState>(*other.state_)) {}
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(const Scene& other) {
-  state_ = std::make_unique<State>(*other.state_);
+  state_ = std::make_unique<SceneState>(*other.state_);
   return *this;
 }
 Scene& Scene::operator=(Scene&&) noexcept = default;
@@ -144,7 +170,7 @@ int Scene::AddTexture(const ImageArray& image, TextureUse use) {
   RequireFinite(copy.rgb, "image");
   // Both enums of that name have the same values in the same order.
   static_assert(int(TextureUse::kHeights) == int(skywave::TextureUse::kHeights));
-  skywave::Scene& scene = state_->scene;
+  skywave::Scene& scene = state_->Change();
   const auto number = std::uint32_t(scene.images.size());
   // The image comes first: without its texture it is harmless if memory ends here.
   scene.images.push_back(std::move(copy));
@@ -155,7 +181,7 @@ int Scene::AddTexture(const ImageArray& image, TextureUse use) {
 
 int Scene::AddMaterial(const std::string& bsdf, const std::vector<MaterialParameter>& parameters,
                        const std::string& name) {
-  skywave::Scene& scene = state_->scene;
+  skywave::Scene& scene = state_->Change();
   Material material = Translated([&] {
     Material made = MakeMaterial(bsdf);
     for (const MaterialParameter& p : parameters) SetParameter({p.name, p.values}, made);
@@ -184,13 +210,13 @@ void Scene::AddMesh(const MeshArrays& mesh) {
   Require(
       triangles < kMaxRecords, "triangles",
       fmt::format("there are {} triangles, and a mesh has fewer than {}", triangles, kMaxRecords));
-  Require(mesh.material >= 0 && std::size_t(mesh.material) < state_->scene.materials.size(),
+  Require(mesh.material >= 0 && std::size_t(mesh.material) < state_->scene().materials.size(),
           "material",
           fmt::format("there is none with number {}; there are {}", mesh.material,
-                      state_->scene.materials.size()));
+                      state_->scene().materials.size()));
   RequireNotNegative(mesh.colors, "colors");
-  if (mesh.object != -1) RequireObject(state_->scene, mesh.object);
-  skywave::Scene& scene = state_->scene;
+  if (mesh.object != -1) RequireObject(state_->scene(), mesh.object);
+  skywave::Scene& scene = state_->Change();
   std::vector<Mesh>& meshes =
       mesh.object < 0 ? scene.meshes : scene.objects[std::size_t(mesh.object)].meshes;
   meshes.push_back({.name = mesh.name.empty() ? fmt::format("mesh {}", meshes.size()) : mesh.name,
@@ -204,7 +230,7 @@ void Scene::AddMesh(const MeshArrays& mesh) {
 }
 
 int Scene::AddObject(const std::string& name) {
-  std::vector<Object>& objects = state_->scene.objects;
+  std::vector<Object>& objects = state_->Change().objects;
   objects.push_back(
       {.name = name.empty() ? fmt::format("object {}", objects.size()) : name, .meshes = {}});
   state_->changed = true;
@@ -212,13 +238,13 @@ int Scene::AddObject(const std::string& name) {
 }
 
 void Scene::AddInstances(int object, std::span<const float> matrices) {
-  skywave::Scene& scene = state_->scene;
-  RequireObject(scene, object);
+  RequireObject(state_->scene(), object);
   Require(matrices.size() % 12 == 0, "matrices",
           fmt::format("there are {} values, and each instance needs 12", matrices.size()));
   RequireFinite(matrices, "matrices");
-  Require(matrices.size() / 12 <= kMaxInstances - scene.instances.size(), "matrices",
+  Require(matrices.size() / 12 <= kMaxInstances - state_->scene().instances.size(), "matrices",
           fmt::format("a scene has at most {} instances", kMaxInstances));
+  skywave::Scene& scene = state_->Change();
   for (std::size_t first = 0; first < matrices.size(); first += 12) {
     Instance instance = {.object = std::uint32_t(object),
                          .world_from_object = {},
@@ -233,9 +259,9 @@ void Scene::AddInstances(int object, std::span<const float> matrices) {
 
 void Scene::AddPointLight(const Vector& position, const Vector& intensity) {
   RequireFinite(position, "position");
-  state_->scene.lights.push_back({.kind = LocalLightKind::kPoint,
-                                  .emission = Emission(intensity, "intensity"),
-                                  .position = Vec3(position)});
+  state_->Change().lights.push_back({.kind = LocalLightKind::kPoint,
+                                     .emission = Emission(intensity, "intensity"),
+                                     .position = Vec3(position)});
   state_->changed = true;
 }
 
@@ -246,19 +272,19 @@ void Scene::AddSpotLight(const Vector& position, const Vector& axis, const Vecto
           "has to be greater than 0 and at most 180");
   Require(full_degrees >= 0 && full_degrees <= dark_degrees, "full_degrees",
           "a spot needs 0 <= full_degrees <= dark_degrees");
-  state_->scene.lights.push_back({.kind = LocalLightKind::kSpot,
-                                  .emission = Emission(intensity, "intensity"),
-                                  .position = Vec3(position),
-                                  .direction = Direction(axis, "axis"),
-                                  .cos_full = std::cos(glm::radians(full_degrees)),
-                                  .cos_dark = std::cos(glm::radians(dark_degrees))});
+  state_->Change().lights.push_back({.kind = LocalLightKind::kSpot,
+                                     .emission = Emission(intensity, "intensity"),
+                                     .position = Vec3(position),
+                                     .direction = Direction(axis, "axis"),
+                                     .cos_full = std::cos(glm::radians(full_degrees)),
+                                     .cos_dark = std::cos(glm::radians(dark_degrees))});
   state_->changed = true;
 }
 
 void Scene::AddDistantLight(const Vector& direction, const Vector& irradiance) {
-  state_->scene.lights.push_back({.kind = LocalLightKind::kDistant,
-                                  .emission = Emission(irradiance, "irradiance"),
-                                  .direction = Direction(direction, "direction")});
+  state_->Change().lights.push_back({.kind = LocalLightKind::kDistant,
+                                     .emission = Emission(irradiance, "irradiance"),
+                                     .direction = Direction(direction, "direction")});
   state_->changed = true;
 }
 
@@ -267,6 +293,7 @@ void Scene::SetEnvironment(const ImageArray& map) {
   Require(std::any_of(copy.rgb.begin(), copy.rgb.end(),
                       [](float x) { return std::isfinite(x) && x > 0; }),
           "map", "is black: no pixel is positive");
+  state_->environment_hash = MapHash(copy);
   state_->environment = std::make_shared<const skywave::Image>(std::move(copy));
   state_->changed = true;
 }
@@ -281,14 +308,14 @@ void Scene::SetCamera(const Vector& eye, const Vector& target, const Vector& up,
   Require(glm::length(glm::cross(view, unit_up)) > 1e-6f * glm::length(view), "up",
           "is the direction of the view");
   Require(fov_degrees > 0 && fov_degrees < 180, "fov_degrees", "has to be between 0 and 180");
-  state_->scene.camera =
-      LookAtCamera(Vec3(eye), Vec3(target), unit_up, fov_degrees, state_->scene.left_handed);
+  state_->camera =
+      LookAtCamera(Vec3(eye), Vec3(target), unit_up, fov_degrees, state_->scene().left_handed);
   state_->changed = true;
 }
 
 void Scene::SetUp(char axis) {
   Require(axis == 'x' || axis == 'y' || axis == 'z', "axis", "is x, y or z");
-  state_->scene.up_axis = axis;
+  state_->Change().up_axis = axis;
   state_->changed = true;
 }
 
@@ -302,8 +329,8 @@ std::vector<std::string> OptionsOfReading() {
 
 std::size_t Scene::triangles() const {
   std::size_t triangles = 0;
-  for (const Mesh& mesh : state_->scene.meshes) triangles += mesh.triangles.size();
-  for (const Object& object : state_->scene.objects) {
+  for (const Mesh& mesh : state_->scene().meshes) triangles += mesh.triangles.size();
+  for (const Object& object : state_->scene().objects) {
     for (const Mesh& mesh : object.meshes) triangles += mesh.triangles.size();
   }
   return triangles;

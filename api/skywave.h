@@ -2,7 +2,7 @@
 // same bits, as by the command line. This is the only public header; link with skywave::skywave.
 //
 //   skywave::api::Scene scene("model.glb");
-//   skywave::api::Renderer renderer(scene, {{"env", "sky.hdr"}, {"spp", "64"}});
+//   skywave::api::Renderer renderer(scene, {{"env", "sky.hdr"}, {"spp", 64}});
 //   renderer.Render();
 //   std::vector<float> rgb(3 * renderer.width() * renderer.height());
 //   renderer.CopyPicture(rgb);
@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -62,9 +63,26 @@ class SKYWAVE_API Canceled : public std::runtime_error {
   Canceled();
 };
 
-// Names and values of options, as on the command line but without dashes: {"spp", "64"},
-// {"guide", "true"}. The last value of a name counts. docs/options.md lists the options.
-using Options = std::vector<std::pair<std::string, std::string>>;
+// The value of an option: text as on the command line, or a number or truth value.
+class SKYWAVE_API OptionValue {
+ public:
+  OptionValue(std::string text) : text_(std::move(text)) {}
+  OptionValue(const char* text) : text_(text) {}
+  OptionValue(bool value);
+  OptionValue(float value);
+  OptionValue(double value);
+  template <std::integral Number>
+  OptionValue(Number value) : text_(std::to_string(value)) {}
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+// Names and values of options, as on the command line but without dashes: {"spp", 64},
+// {"guide", true}, {"size", "640x480"}. The last value of a name counts. docs/options.md lists the
+// options.
+using Options = std::vector<std::pair<std::string, OptionValue>>;
 
 // A picture in memory: linear RGB, three floats per pixel, rows from the top, no padding.
 struct ImageArray {
@@ -136,8 +154,13 @@ struct RenderControl {
   bool keep_film = true;
 };
 
-// Triangles, materials, textures, lights and a camera. Material 0 always exists; that of an empty
-// scene is grey and diffuse.
+// What the objects of the library hold.
+struct SceneState;
+struct RendererState;
+
+// Triangles, materials, textures, lights and a camera. A copy costs little: copies share their
+// contents, and what renderers have made of them, until one is changed. Material 0 always exists;
+// that of an empty scene is grey and diffuse.
 class SKYWAVE_API Scene {
  public:
   // Makes an empty scene with y up. It needs a mesh before it can be rendered.
@@ -197,11 +220,10 @@ class SKYWAVE_API Scene {
   // Returns the number of triangles.
   std::size_t triangles() const;  // those of an object once
 
-  struct State;  // not for users
-  State& state() { return *state_; }
-
  private:
-  std::unique_ptr<State> state_;
+  friend class Renderer;
+  friend SKYWAVE_API std::string Converge(const Scene&, const Options&, const ProgressCallback&);
+  std::unique_ptr<SceneState> state_;
 };
 
 // A layer in addition to the picture, which the option "aovs" asks for.
@@ -213,10 +235,11 @@ struct Layer {
 // One picture of a scene.
 class SKYWAVE_API Renderer {
  public:
-  // Reads the map and builds the BVH and tables. Later changes of the scene have no effect; moving
-  // it here saves a copy. `options` are those of `skywave render`, except for strict and
-  // max-triangles, which a Scene takes, and for output, stats and quiet.
-  Renderer(Scene scene, const Options& options);
+  // Reads the map and builds the BVH and tables, unless another renderer of the scene, which may be
+  // gone, has done so: another camera, map, strategy or size builds nothing again. A later change
+  // of the scene makes no difference. `options` are those of `skywave render`, except for those
+  // that a Scene takes, and for output, stats and quiet.
+  Renderer(const Scene& scene, const Options& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
@@ -228,8 +251,11 @@ class SKYWAVE_API Renderer {
   const std::vector<std::string>& notes() const;
 
   // Renders the picture with the number of threads that the option "threads" gives.
-  void Render(const ProgressCallback& progress = {});
-  void Render(const RenderControl& control);
+  void Render(const RenderControl& control = {});
+  template <std::invocable<double> Callback>
+  void Render(Callback&& progress) {
+    Render(RenderControl{.progress = std::forward<Callback>(progress)});
+  }
 
   // All of the following need a complete Render.
 
@@ -258,10 +284,8 @@ class SKYWAVE_API Renderer {
   // Returns the bytes that WritePng writes.
   std::string EncodePng() const;
 
-  struct State;  // not for users
-
  private:
-  std::unique_ptr<State> state_;
+  std::unique_ptr<RendererState> state_;
 };
 
 // Returns the names of the options that Scene takes; Renderer takes all others.
@@ -280,7 +304,7 @@ SKYWAVE_API std::string Compare(const ImageArray& image, const ImageArray& refer
 // reading, which a Scene takes, and for json, plot, report, exposure and quiet. If the reference is
 // rendered, the callback sees its share from 0 to 1 first, and then that of the measurement. Making
 // tables and warming up come before and are not interrupted.
-SKYWAVE_API std::string Converge(Scene scene, const Options& options,
+SKYWAVE_API std::string Converge(const Scene& scene, const Options& options,
                                  const ProgressCallback& progress = {});
 
 // Returns what `skywave probe info --json` writes about a map. `projection` is a value of the

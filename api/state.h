@@ -10,25 +10,38 @@
 #include "job/job.h"
 #include "job/limits.h"
 #include "job/picture.h"
+#include "job/picture_request.h"
 #include "job/session.h"
 #include "scene/scene.h"
 #include "skywave/skywave.h"
 
 namespace skywave::api {
 
-struct Scene::State {
-  skywave::Scene scene;
+struct SceneState {
+  // What renderers have is `loaded` until it is changed; then it is theirs, and the scene has a
+  // copy.
+  std::shared_ptr<LoadedScene> loaded = std::make_shared<LoadedScene>(skywave::Scene());
+  // What renderers made of it for each other; null: none has been there since it changed.
+  mutable std::shared_ptr<const SharedScene> shared;
   std::string source;    // file or name of a built-in scene; empty: it began as an empty scene
   bool changed = false;  // since it was read, so that no command repeats its pictures
   ReadOptions read;
   double load_seconds = 0;
-  std::shared_ptr<const skywave::Image> environment;  // null: an option or the scene has the map
+  // In place of what the scene has; they leave its geometry as it is.
+  std::optional<Camera> camera;
+  std::shared_ptr<const skywave::Image> environment;  // an option comes before it
+  std::uint64_t environment_hash = 0;
 
   // Returns the name that errors give the scene.
   std::string name() const { return source.empty() ? "scene" : source; }
+  const skywave::Scene& scene() const { return loaded->scene; }
+  // Returns the scene for a change of its contents.
+  skywave::Scene& Change();
+  // Returns what renderers share.
+  const SharedScene& Share() const;
 };
 
-struct Renderer::State {
+struct RendererState {
   ExposureRequest exposure;
   RenderLimits limits;
   ExrFormat format;
@@ -47,12 +60,12 @@ struct Renderer::State {
   void Write(const std::function<void()>& write);
 };
 
-// Returns the options of a job, except for those of its scene, bound to `request`.
-std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& request);
+// Returns a job that renders `scene` as `request` asks; the scene's name, options of reading,
+// camera and map in memory are put into the request. Throws InputError.
+RenderJob MakeJob(const SceneState& scene, JobRequest request);
 
-// Returns a job that renders `scene` as `request` asks; the scene's name, options of reading and
-// map in memory are put into the request. Throws InputError.
-RenderJob MakeJob(Scene::State scene, JobRequest request);
+// Puts `options` into the fields that `bound` leads to. Throws InputError.
+void SetOptions(const std::vector<BoundOption>& bound, const Options& options);
 
 // Returns a copy. Throws Error for an image of the wrong size; `name` is the argument.
 skywave::Image CopyImage(const ImageArray& image, const std::string& name);

@@ -16,11 +16,9 @@
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "job/exposure.h"
-#include "job/limits.h"
 #include "job/map_sequence.h"
-#include "job/options.h"
 #include "job/picture.h"
+#include "job/picture_request.h"
 #include "skywave/skywave.h"
 #include "wavefront/film/aovs.h"
 
@@ -28,10 +26,7 @@ namespace skywave {
 namespace {
 
 struct RenderFlags {
-  JobRequest request;
-  ExposureRequest exposure;
-  ExrFormat format;
-  RenderLimits limits;
+  PictureRequest picture;
   api::Options read_options, options;  // as given, for the library
   std::string output;                  // empty: a film is all that is wanted
   std::string film;
@@ -95,7 +90,7 @@ std::vector<std::string> Outputs(const RenderFlags& flags) {
 void CheckOutputs(const RenderFlags& flags) {
   if (!flags.output.empty() && std::filesystem::path(flags.output).extension() != ".exr") {
     throw InputError(InputPosition::File("--output " + flags.output),
-                     flags.request.options.aovs == 0
+                     flags.picture.job.options.aovs == 0
                          ? "the picture is an EXR file, so its name has to end in .exr"
                          : "the layers of --aovs need an EXR file, whose name ends in .exr",
                      kExitUsage);
@@ -112,7 +107,7 @@ void CheckOutputs(const RenderFlags& flags) {
                        kExitUsage);
     }
   }
-  if (!flags.film.empty() && flags.limits.adaptive > 0) {
+  if (!flags.film.empty() && flags.picture.limits.adaptive > 0) {
     throw InputError(InputPosition::File("--film " + flags.film),
                      "films are added where all pixels have the same samples, so none is kept with "
                      "--adaptive",
@@ -136,7 +131,7 @@ void CheckOutputs(const RenderFlags& flags) {
 // Reads the scene and all that it names, which the outputs must leave as they are.
 api::Renderer ReadRenderer(const RenderFlags& flags) {
   const FilesRead inputs;
-  api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
+  api::Renderer renderer(api::Scene(flags.picture.job.scene, flags.read_options), flags.options);
   inputs.CheckAreNot(Outputs(flags));
   return renderer;
 }
@@ -165,7 +160,7 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
     control.snapshot = [&] { return TakeSnapshotAsked() ? SnapshotPath(flags) : ""; };
   }
   // How many samples adaptive rendering takes is not known beforehand.
-  display.Begin("", flags.limits.adaptive > 0 ? 0 : renderer.samples());
+  display.Begin("", flags.picture.limits.adaptive > 0 ? 0 : renderer.samples());
   renderer.Render(control);
   display.End();
   display.Clear();
@@ -176,7 +171,7 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
 
 int RenderMain(RenderFlags& flags) {
   if (flags.output.empty() && flags.film.empty()) {
-    flags.output = std::filesystem::path(flags.request.scene).stem().string() + ".exr";
+    flags.output = std::filesystem::path(flags.picture.job.scene).stem().string() + ".exr";
   }
   CheckOutputs(flags);
   api::Renderer renderer = ReadRenderer(flags);
@@ -202,22 +197,19 @@ int RenderMain(RenderFlags& flags) {
   return 0;
 }
 
-// Adds `options`, which set `*request`. Their texts are also kept in `flags` for the library.
-template <class Options, class Request>
-void AddKeptOptions(Command& command, const Options& options,
-                    const std::shared_ptr<Request>& request,
-                    const std::shared_ptr<RenderFlags>& flags) {
-  const std::size_t first = command.options.size();
-  AddOptions(command, options, request);
-  for (std::size_t i = first; i < command.options.size(); ++i) {
-    BoundOption& option = command.options[i];
-    if (option.info.positional) continue;
-    const bool reads = option.info.of_reading;
-    option.set = [flags, reads, info = option.info,
-                  set = option.set](const std::vector<std::string>& texts) {
-      (reads ? flags->read_options : flags->options).emplace_back(info.name, Joined(info, texts));
-      return set(texts);
-    };
+// Adds the options of the picture. Their texts are also kept in `flags` for the library.
+void AddKeptOptions(Command& command, const std::shared_ptr<RenderFlags>& flags) {
+  const std::shared_ptr<PictureRequest> picture(flags, &flags->picture);
+  for (BoundOption& option : BindAll(PictureOptions(), picture)) {
+    if (!option.info.positional) {
+      const bool reads = option.info.of_reading;
+      option.set = [flags, reads, info = option.info,
+                    set = option.set](const std::vector<std::string>& texts) {
+        (reads ? flags->read_options : flags->options).emplace_back(info.name, Joined(info, texts));
+        return set(texts);
+      };
+    }
+    command.options.push_back(std::move(option));
   }
 }
 
@@ -258,14 +250,8 @@ Command RenderCommand() {
       .run = [flags](const GivenOptions&) {
         return TellFailures(flags->progress, [&] { return RenderMain(*flags); });
       }};
-  AddKeptOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), flags);
+  AddKeptOptions(command, flags);
   AddOptions(command, OutputOptions(), flags);
-  AddKeptOptions(command, LimitOptions(), std::shared_ptr<RenderLimits>(flags, &flags->limits),
-                 flags);
-  AddKeptOptions(command, ExposureOptions(),
-                 std::shared_ptr<ExposureRequest>(flags, &flags->exposure), flags);
-  AddKeptOptions(command, ExrFormatOptions(), std::shared_ptr<ExrFormat>(flags, &flags->format),
-                 flags);
   return command;
 }
 

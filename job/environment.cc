@@ -16,7 +16,7 @@ namespace {
 // The light of the request, or else those of the scene.
 std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest& request) {
   const EnvironmentRequest& environment = request.environment;
-  if (!environment.path.empty() || environment.image) {
+  if (environment.has_map()) {
     EnvironmentLight light;
     light.map_path = MapFile(request);
     light.world_from_map =

@@ -66,7 +66,7 @@ std::vector<OptionOf<ExposureRequest>> ExposureOptions() {
 #undef FIELD
 
 ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job) {
-  const bool has_map = !job.environment.path.empty() || job.environment.image != nullptr;
+  const bool has_map = job.environment.has_map();
   if (request.photo.shutter_seconds > 0) {
     if (request.exposure && request.exposure->automatic) {
       throw OptionError("exposure", "auto", "is what `shutter` decides; give stops, or neither");

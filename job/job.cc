@@ -7,7 +7,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -28,12 +27,6 @@ double Time(const Work& work) {
   const Clock::time_point start = Clock::now();
   work();
   return SecondsSince(start);
-}
-
-// Luminance of the light that a map sends through the disk of a sphere around the scene.
-double EnvironmentPower(double mean_luminance, float radius) {
-  constexpr double kPi = glm::pi<double>();
-  return 4 * kPi * mean_luminance * kPi * double(radius) * radius;
 }
 
 // With this strategy light paths start where that of the camera paths cannot emit.
@@ -121,10 +114,13 @@ RenderJob::RenderJob(const JobRequest& request, JobCache* cache) {
   });
 }
 
-RenderJob::RenderJob(Scene scene, const JobRequest& request, double load_seconds) {
+RenderJob::RenderJob(const SharedScene& scene, const JobRequest& request, double load_seconds) {
   times_.load = load_seconds;
-  RunOnThreads(request.options.threads, [&] { Build(JobParts(std::move(scene)), request); });
+  RunOnThreads(request.options.threads, [&] { Build(JobParts(scene), request); });
 }
+
+RenderJob::RenderJob(Scene scene, const JobRequest& request)
+    : RenderJob(SharedScene(std::make_shared<LoadedScene>(std::move(scene))), request) {}
 
 void RenderJob::Build(JobParts parts, const JobRequest& request) {
   notes_ = parts.loaded().warnings;
@@ -146,7 +142,7 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   PlaceCamera(*prepared.scene, prepared.bounds);
   times_.build = Time([&] { geometry_ = parts.Build(request_, EmbreeThreads(options().threads)); });
   sphere_ = BoundingSphere(prepared.whole_bounds);
-  PlaceLights(prepared, *light);
+  PlaceLights(parts, *light);
   CheckLightPaths(options().integrator);
 
   // For the hash the light is part of the scene; for the strategy it is a map.
@@ -157,7 +153,7 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
 }
 
 void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
-  if (!scene.camera && !request_.camera.eye) {
+  if (!scene.camera && !request_.camera.placed && !request_.camera.eye) {
     notes_.push_back(request_.scene + ": has no camera; one that sees the whole scene is used");
   }
   const int width = *request_.width, height = *request_.height;  // of the whole film
@@ -168,17 +164,12 @@ void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
   camera_ = MakeCameraView(scene_camera_, width, height, filter_offsets_.data(), request_.crop);
 }
 
-void RenderJob::PlaceLights(const PreparedScene& prepared, const LoadedLight& light) {
-  const Scene& scene = *prepared.scene;
-  const float radius = BoundingRadius(prepared.bounds);
-  brightest_ = light.brightest;
-  if (HasLocalLights(scene)) {
-    local_lights_ = LocalLights(scene, geometry(), request_.scene, radius,
-                                EnvironmentPower(light.mean_luminance, radius));
-    brightest_ = std::max(brightest_, local_lights_.brightest());
-  }
+void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
+  const PreparedScene& prepared = parts.prepared();
+  local_lights_ = parts.Lamps(request_, light, geometry_);
+  brightest_ = std::max(light.brightest, local_lights().brightest());
   if (Sums(options().aovs, AovSum::kLightGroups)) {
-    light_groups_ = MakeLightGroups(scene, geometry(), local_lights_.view());
+    light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view());
   }
   if (options().aovs != 0 || request_.denoise)
     world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
@@ -247,7 +238,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
           .strategy = &strategy,
           .continuation_strategy =
               continuation_strategy_ ? continuation_strategy_->strategy.get() : nullptr,
-          .local_lights = local_lights_.view(),
+          .local_lights = local_lights().view(),
           .camera = camera_,
           .tracer = {.scene = geometry().scene(),
                      .closest = options().backend,
@@ -269,7 +260,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
 }
 
 bool RenderJob::has_environment() const {
-  const LocalLightView lights = local_lights_.view();
+  const LocalLightView lights = local_lights().view();
   return lights.count == 0 || lights.shared.share < 1;
 }
 

@@ -35,9 +35,12 @@ class RenderJob {
   // Reads, checks and builds; throws InputError. No file is touched for writing. What jobs have in
   // common comes from `cache`, if there is one.
   explicit RenderJob(const JobRequest& request, JobCache* cache = nullptr);
-  // The same for a scene that is in memory already; `request.scene` only names it in errors.
-  // `load_seconds` is the time that reading it took.
-  RenderJob(Scene scene, const JobRequest& request, double load_seconds = 0);
+  // The same for a scene that is in memory already; `request.scene` only names it in errors. What
+  // has been made of the scene for other jobs is not made again. `load_seconds` is the time that
+  // reading it took.
+  RenderJob(const SharedScene& scene, const JobRequest& request, double load_seconds = 0);
+  // The same for a scene of this job alone.
+  RenderJob(Scene scene, const JobRequest& request);
 
   FrameView frame() const {
     return frame(options().integrator, strategy(), emitter_ ? emitter_->strategy.get() : nullptr);
@@ -58,7 +61,7 @@ class RenderJob {
   const JobRequest& request() const { return request_; }
   const Geometry& geometry() const { return geometry_->geometry; }
   const EnvStrategy& strategy() const { return *strategy_->strategy; }
-  const LocalLights& local_lights() const { return local_lights_; }
+  const LocalLights& local_lights() const { return local_lights_->lights; }
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
   std::uint64_t map_hash() const { return map_hash_; }  // of the illumination map alone
@@ -69,7 +72,7 @@ class RenderJob {
   void Build(JobParts parts, const JobRequest& request);
   // The steps of Build, in their order.
   void PlaceCamera(const Scene& scene, const Bounds& bounds);
-  void PlaceLights(const PreparedScene& prepared, const LoadedLight& light);
+  void PlaceLights(const JobParts& parts, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const LoadedLight& light);
   bool has_environment() const;
   bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;
@@ -80,7 +83,7 @@ class RenderJob {
   JobRequest request_;  // resolved
   std::shared_ptr<const BuiltGeometry> geometry_;
   std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
-  LocalLights local_lights_;
+  std::shared_ptr<const BuiltLamps> local_lights_;
   LightGroups light_groups_;  // where they are asked for
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate

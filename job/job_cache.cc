@@ -13,21 +13,34 @@ std::uint64_t JobCache::bytes() const {
 std::pair<std::shared_future<JobCache::Value>, bool> JobCache::Find(const std::string& key,
                                                                     std::promise<Value>& promise) {
   const std::lock_guard lock(mutex_);
-  const auto [entry, is_new] = entries_.try_emplace(key);
-  if (is_new) entry->second.value = promise.get_future().share();
-  entry->second.last_use = ++uses_;
-  return {entry->second.value, is_new};
+  Entry& entry = entries_[key];
+  entry.last_use = ++uses_;
+  if (entry.value.valid()) return {entry.value, false};
+  if (Value held = entry.held.lock()) {
+    promise.set_value(std::move(held));
+    entry.value = promise.get_future().share();
+    bytes_ += entry.bytes;
+    std::shared_future<Value> value = entry.value;
+    DropOldest();
+    return {std::move(value), false};
+  }
+  entry.value = promise.get_future().share();
+  entry.made = false;
+  return {entry.value, true};
 }
 
 void JobCache::Fill(const std::string& key, std::promise<Value>& promise,
                     const std::function<std::pair<Value, std::uint64_t>()>& make) {
   try {
     auto [value, bytes] = make();
-    promise.set_value(std::move(value));
+    promise.set_value(value);
     const std::lock_guard lock(mutex_);
-    Entry& entry = entries_.at(key);
-    entry.bytes = bytes, entry.made = true;
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return;  // it was forgotten meanwhile
+    Entry& entry = found->second;
+    entry.held = value, entry.bytes = bytes, entry.made = true;
     bytes_ += bytes;
+    value.reset();  // nobody holds it on account of this call
     DropOldest();
   } catch (...) {
     promise.set_exception(std::current_exception());
@@ -37,17 +50,27 @@ void JobCache::Fill(const std::string& key, std::promise<Value>& promise,
 }
 
 void JobCache::DropOldest() {
+  std::erase_if(entries_, [](const auto& entry) {
+    return !entry.second.value.valid() && entry.second.held.expired();
+  });
   while (bytes_ > most_bytes_) {
-    auto oldest = entries_.end();
-    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-      if (!entry->second.made) continue;
-      if (oldest == entries_.end() || entry->second.last_use < oldest->second.last_use) {
-        oldest = entry;
-      }
+    Entry* oldest = nullptr;
+    for (auto& [key, entry] : entries_) {
+      if (!entry.made || !entry.value.valid()) continue;
+      if (oldest == nullptr || entry.last_use < oldest->last_use) oldest = &entry;
     }
-    if (oldest == entries_.end()) return;
-    bytes_ -= oldest->second.bytes;
-    entries_.erase(oldest);
+    if (oldest == nullptr) return;
+    bytes_ -= oldest->bytes;
+    oldest->value = {};
+  }
+}
+
+void JobCache::Forget(const std::string& prefix) {
+  const std::lock_guard lock(mutex_);
+  auto entry = entries_.lower_bound(prefix);
+  while (entry != entries_.end() && entry->first.starts_with(prefix)) {
+    if (entry->second.made && entry->second.value.valid()) bytes_ -= entry->second.bytes;
+    entry = entries_.erase(entry);
   }
 }
 

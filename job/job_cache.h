@@ -13,7 +13,8 @@
 namespace skywave {
 
 // A cache of values that are expensive to make, by text keys. What has not been asked for for the
-// longest time is dropped first; whoever holds a value keeps it alive. Threads may share a cache.
+// longest time is dropped first; whoever holds a value keeps it alive, and it is found as long as
+// somebody does. Threads may share a cache.
 class JobCache {
  public:
   // What is kept takes at most about this memory [bytes], besides what is in use.
@@ -36,17 +37,21 @@ class JobCache {
     return std::static_pointer_cast<const T>(value.get());
   }
 
+  // Drops everything whose key begins with `prefix`.
+  void Forget(const std::string& prefix);
+
   std::uint64_t bytes() const;  // of what is kept
 
  private:
   using Value = std::shared_ptr<const void>;
   struct Entry {
-    std::shared_future<Value> value;
+    std::shared_future<Value> value;  // invalid: it was dropped
+    std::weak_ptr<const void> held;   // the value, once it is made
     std::uint64_t bytes = 0, last_use = 0;
     bool made = false;
   };
 
-  // Returns the value of an entry, which is new if there was none: then `promise` is its.
+  // Returns the value of an entry, and whether the caller has to make it: then `promise` is its.
   std::pair<std::shared_future<Value>, bool> Find(const std::string& key,
                                                   std::promise<Value>& promise);
   void Fill(const std::string& key, std::promise<Value>& promise,

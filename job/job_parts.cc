@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
-#include <string_view>
+#include <atomic>
+#include <filesystem>
+#include <numbers>
 #include <utility>
 
+#include "base/granted.h"
 #include "job/environment.h"
 #include "job/map_sequence.h"
 #include "job/material_changes.h"
@@ -53,10 +55,24 @@ std::string Words(const JobRequest& request, const Counts& counts) {
   return words;
 }
 
-std::string WordsOf(const JobRequest& request, std::span<const std::string_view> names) {
-  return Words(request, [&](const OptionInfo& option) {
-    return std::find(names.begin(), names.end(), option.name) != names.end();
-  });
+// Returns those of the options that change any of `tables`.
+std::string WordsOf(const JobRequest& request, std::uint32_t tables) {
+  return Words(request, [&](const OptionInfo& option) { return (option.changes & tables) != 0; });
+}
+
+// Returns a text that changes when a file is written anew; so does what was made of it.
+std::string Stamp(const std::string& path) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(path, error);
+  if (error) return Quoted(path);
+  return fmt::format("{} of {} bytes at {}", Quoted(path), std::filesystem::file_size(path, error),
+                     time.time_since_epoch().count());
+}
+
+// Luminance of the light that a map sends through the disk of a sphere around the scene.
+double EnvironmentPower(double mean_luminance, float radius) {
+  constexpr double kPi = std::numbers::pi;
+  return 4 * kPi * mean_luminance * kPi * double(radius) * radius;
 }
 
 // Returns the largest of finite numbers that are not negative, in lanes that do not wait for each
@@ -82,10 +98,7 @@ void CopyNewLamps(const JobRequest& request, Scene& scene) {
 PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
-  const char up_axis = request.environment.up_axis.value_or(loaded->scene.up_axis);
-  const bool changes = !request.materials.empty() || !request.energy_compensation ||
-                       !request.portals.empty() || request.ground ||
-                       up_axis != loaded->scene.up_axis;
+  const bool changes = !WordsOf(request, Tables::kPrepared).empty();
   if (!changes) prepared.bounds = SceneBounds(loaded->scene, request.scene);
   prepared.whole_bounds = prepared.bounds;
   if (changes) {
@@ -95,7 +108,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     ChangeMaterials(request.materials, *scene);
     CopyNewLamps(request, *scene);
     if (!request.energy_compensation) LeaveOutCompensation(*scene);
-    scene->up_axis = up_axis;
+    scene->up_axis = request.environment.up_axis.value_or(scene->up_axis);
     if (request.ground) {
       AddGround(*scene, prepared.bounds);
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
@@ -120,6 +133,28 @@ std::string SceneKey(const JobRequest& request) {
            return option.of_reading && option.name != "frame";
          });
 }
+
+// The cache of all shared scenes, for as long as there are any.
+std::shared_ptr<JobCache> CacheOfProcess() {
+  static std::mutex mutex;
+  static std::weak_ptr<JobCache> shared;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<JobCache> cache = shared.lock();
+  if (!cache) {
+    constexpr std::uint64_t kMost = std::uint64_t{2} << 30;
+    cache = std::make_shared<JobCache>(std::min(kMost, GrantedHere().memory_bytes / 10));
+    shared = cache;
+  }
+  return cache;
+}
+
+SharedScene::SharedScene(std::shared_ptr<const LoadedScene> loaded)
+    : loaded_(std::move(loaded)), cache_(CacheOfProcess()) {
+  static std::atomic<std::uint64_t> scenes = 0;
+  key_ = fmt::format("scene in memory {};", ++scenes);
+}
+
+SharedScene::~SharedScene() { cache_->Forget(key_); }
 
 std::size_t LoadedScene::bytes() const { return BytesOf(scene); }
 std::size_t LoadedLight::bytes() const { return BytesOf(light.map->rgb); }
@@ -148,28 +183,33 @@ JobParts::JobParts(const JobRequest& request, JobCache* cache) : cache_(cache) {
   loaded_ = Get<LoadedScene>(scene_key_, read);
 }
 
-JobParts::JobParts(Scene scene)
-    : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(std::move(scene))) {}
+JobParts::JobParts(const SharedScene& scene)
+    : cache_(scene.cache_.get()), shared_(&scene), scene_key_(scene.key_), loaded_(scene.loaded_) {}
 
 void JobParts::Prepare(const JobRequest& request) {
-  static constexpr std::string_view kChanges[] = {"material", "energy-compensation", "portal",
-                                                  "ground", "env-up"};
-  prepared_key_ = scene_key_ + " prepared" + WordsOf(request, kChanges);
+  JobRequest changes = request;
+  if (changes.environment.up_axis == loaded().up_axis) changes.environment.up_axis.reset();
+  prepared_key_ = scene_key_ + " prepared" + WordsOf(changes, Tables::kPrepared);
   prepared_ = Get<PreparedScene>(prepared_key_, [&] {
-    return std::make_shared<PreparedScene>(PrepareScene(loaded_, request));
+    return std::make_shared<PreparedScene>(PrepareScene(loaded_, changes));
   });
 }
 
-// A map in a file is the same however it is turned; the lights of a scene are turned before they
-// are summed.
+// A map that is asked for is the same however it is turned; the lights of a scene are turned before
+// they are summed.
 std::string JobParts::MapKey(const JobRequest& request) const {
-  static constexpr std::string_view kOfMap[] = {"env-projection", "env-intensity", "trust-input"};
-  static constexpr std::string_view kOfLights[] = {"env-rotate", "env-projection", "env-intensity",
-                                                   "trust-input"};
-  if (!request.environment.path.empty()) {
-    return "map " + Quoted(MapFile(request)) + WordsOf(request, kOfMap);
+  const EnvironmentRequest& environment = request.environment;
+  if (environment.has_map()) {
+    const std::string map = environment.path.empty()
+                                ? fmt::format("{:016x}", environment.image_hash)
+                                : Stamp(MapFile(request));
+    return "map " + map + WordsOf(request, Tables::kMap);
   }
-  return prepared_key_ + " lights" + WordsOf(request, kOfLights);
+  std::string key = prepared_key_ + " lights" + WordsOf(request, Tables::kSceneLights);
+  for (const EnvironmentLight& light : prepared_->scene->environments) {
+    if (!light.map_path.empty()) key += " " + Stamp(light.map_path);
+  }
+  return key;
 }
 
 std::shared_ptr<const LoadedLight> JobParts::Light(const JobRequest& request) const {
@@ -185,23 +225,25 @@ std::shared_ptr<const LoadedLight> JobParts::Light(const JobRequest& request) co
   });
 }
 
+std::string JobParts::GeometryKey(const JobRequest& request, int threads) const {
+  return fmt::format("{} geometry{} {} {}", prepared_key_, WordsOf(request, Tables::kBvh), threads,
+                     NeedsUvs(request.options.aovs));
+}
+
 std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, int threads) const {
-  const bool uvs = NeedsUvs(request.options.aovs);
-  const std::string key = fmt::format("{} geometry {} {} {}", prepared_key_,
-                                      Quoted(request.embree_config), threads, uvs);
-  static constexpr std::string_view kOfTriangles[] = {"ground", "env-up"};
   const auto last =
-      Get<LastBuilt>(fmt::format("{} triangles{} {} {}", scene_key_, WordsOf(request, kOfTriangles),
-                                 Quoted(request.embree_config), threads),
+      Get<LastBuilt>(fmt::format("{} triangles{} {}", scene_key_,
+                                 WordsOf(request, Tables::kTriangles | Tables::kBvh), threads),
                      [] { return std::make_shared<LastBuilt>(); });
-  return Get<BuiltGeometry>(key, [&] {
+  const auto geometry = Get<BuiltGeometry>(GeometryKey(request, threads), [&] {
     std::shared_ptr<const BuiltGeometry> twin;
     {
       const std::lock_guard lock(last->mutex);
       twin = last->geometry.lock();
     }
     const std::shared_ptr<const BuiltGeometry> built(new BuiltGeometry{
-        Geometry(*prepared_->scene, request.scene, threads, request.embree_config, uvs,
+        Geometry(*prepared_->scene, request.scene, threads, request.embree_config,
+                 NeedsUvs(request.options.aovs),
                  twin ? std::shared_ptr<const Geometry>(twin, &twin->geometry) : nullptr)});
     // One that shares would keep the whole row of those before it.
     if (built->geometry.bvh_bytes() > 0) {
@@ -210,10 +252,31 @@ std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, 
     }
     return built;
   });
+  if (shared_ != nullptr) {
+    const std::lock_guard lock(shared_->mutex_);
+    shared_->geometry_ = geometry;
+  }
+  return geometry;
+}
+
+std::shared_ptr<const BuiltLamps> JobParts::Lamps(
+    const JobRequest& request, const LoadedLight& light,
+    const std::shared_ptr<const BuiltGeometry>& geometry) const {
+  const Scene& scene = *prepared_->scene;
+  if (!HasLocalLights(scene)) return std::make_shared<BuiltLamps>();
+  // The map takes part in the choice between them.
+  const std::string key =
+      fmt::format("{} lamps beside {}", GeometryKey(request, 0), light.mean_luminance);
+  return Get<BuiltLamps>(key, [&] {
+    const float radius = BoundingRadius(prepared_->bounds);
+    return std::make_shared<BuiltLamps>(
+        BuiltLamps{geometry, LocalLights(scene, geometry->geometry, request.scene, radius,
+                                         EnvironmentPower(light.mean_luminance, radius))});
+  });
 }
 
 glm::mat3 JobParts::WorldFromMap(const JobRequest& request, const LoadedLight& light) const {
-  if (request.environment.path.empty()) return light.light.world_from_map;
+  if (!request.environment.has_map()) return light.light.world_from_map;
   const Scene& scene = *prepared_->scene;
   return EnvironmentFrame(scene.up_axis, scene.left_handed, request.environment.rotation_degrees);
 }

@@ -15,6 +15,7 @@
 #include "lights/strategies/strategy.h"
 #include "lights/tables/vector_irradiance.h"
 #include "scene/geometry.h"
+#include "scene/local_lights.h"
 #include "scene/scene.h"
 #include "scene/scene_hash.h"
 
@@ -90,13 +91,40 @@ struct MapIrradiance {
   std::size_t bytes() const { return table.bytes(); }
 };
 
+// The lights of a scene that stand in it. They read tables of the geometry.
+struct BuiltLamps {
+  std::shared_ptr<const BuiltGeometry> geometry;
+  LocalLights lights;
+  std::size_t bytes() const { return lights.bytes(); }
+};
+
+// A scene in memory, and what jobs have made of it for each other. Threads may share it. Maps and
+// their tables are shared with the jobs of all other such scenes of the process.
+class SharedScene {
+ public:
+  // Nobody may change the scene any more.
+  explicit SharedScene(std::shared_ptr<const LoadedScene> loaded);
+  ~SharedScene();  // what is kept of the scene goes, unless a job needs it
+  SharedScene(const SharedScene&) = delete;
+  SharedScene& operator=(const SharedScene&) = delete;
+
+ private:
+  friend class JobParts;
+  std::shared_ptr<const LoadedScene> loaded_;
+  std::string key_;  // what is kept of this scene begins with it
+  std::shared_ptr<JobCache> cache_;
+  // The last one, whatever the cache drops: as long as there is the scene there is its BVH.
+  mutable std::mutex mutex_;  // of `geometry_`
+  mutable std::shared_ptr<const BuiltGeometry> geometry_;
+};
+
 // Makes the parts of one job, or gets them from a cache that has them already.
 class JobParts {
  public:
   // Reads the scene of `request`. Without a cache all parts are made anew.
   JobParts(const JobRequest& request, JobCache* cache);
-  // Takes a scene that is in memory; its parts are not shared.
-  explicit JobParts(Scene scene);
+  // Takes a scene that is in memory, which has to outlive the parts.
+  explicit JobParts(const SharedScene& scene);
 
   const Scene& loaded() const { return loaded_->scene; }
 
@@ -105,6 +133,9 @@ class JobParts {
   const PreparedScene& prepared() const { return *prepared_; }
   std::shared_ptr<const LoadedLight> Light(const JobRequest& request) const;
   std::shared_ptr<const BuiltGeometry> Build(const JobRequest& request, int threads) const;
+  std::shared_ptr<const BuiltLamps> Lamps(
+      const JobRequest& request, const LoadedLight& light,
+      const std::shared_ptr<const BuiltGeometry>& geometry) const;
   std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
   std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
                                                const std::string& specification,
@@ -122,10 +153,12 @@ class JobParts {
   // Returns the part with the key, made by `make` unless the cache has it.
   template <class T, class Make>
   std::shared_ptr<const T> Get(const std::string& key, const Make& make) const;
+  std::string GeometryKey(const JobRequest& request, int threads) const;
   std::string MapKey(const JobRequest& request) const;
   std::string PlacedKey(const JobRequest& request, const LoadedLight& light) const;
 
   JobCache* cache_;
+  const SharedScene* shared_ = nullptr;
   std::string scene_key_, prepared_key_;
   std::shared_ptr<const LoadedScene> loaded_;
   std::shared_ptr<const PreparedScene> prepared_;

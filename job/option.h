@@ -35,15 +35,26 @@ inline constexpr auto kEnumNames<OptionScope> =
                                        {OptionScope::kSpeed, "speed"},
                                        {OptionScope::kOutput, "output"}});
 
+// What jobs keep for each other (job/job_parts.h) and an option may change, as a set of bits. The
+// scene as it is read is changed by the options of reading.
+struct Tables {
+  static constexpr std::uint32_t kPrepared = 1;      // a scene as the request changes it
+  static constexpr std::uint32_t kTriangles = 2;     // which triangles it has then
+  static constexpr std::uint32_t kBvh = 4;           // how rays find them
+  static constexpr std::uint32_t kMap = 8;           // a map that the request gives
+  static constexpr std::uint32_t kSceneLights = 16;  // the sum of a scene's own lights at infinity
+};
+
 // The text of an option for people and for programs.
 struct OptionInfo {
   std::string_view name;              // without dashes, e.g. "max-depth"
   std::string_view group = "Common";  // heading of the help text under which it stands
   std::string_view help;              // half a sentence
   OptionScope scope = OptionScope::kOutput;
+  std::uint32_t changes = 0;  // Tables that depend on its value
   // Arguments that try the option on a scene of the tests, together with what it needs, e.g.
   // "--split 2 --continuation-strategy uniform", after the name of a scene where it needs another
-  // one. An option that changes pixels has to have one.
+  // one. Every option of a job has one.
   std::string_view example = {};
   std::string_view default_text = {};  // where no field has a default value to print
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
@@ -86,6 +97,14 @@ BoundOption Bind(const OptionOf<Request>& option, const std::shared_ptr<Request>
   return {option, [target, set = option.set](const std::vector<std::string>& texts) {
             return set(*target, texts);
           }};
+}
+
+// The same of all options of a table.
+template <class Options, class Request>
+std::vector<BoundOption> BindAll(const Options& options, const std::shared_ptr<Request>& target) {
+  std::vector<BoundOption> bound;
+  for (const auto& option : options) bound.push_back(Bind(option, target));
+  return bound;
 }
 
 // Puts `text` into the field of the option called `name`, as a flag of the command line does; the

@@ -21,16 +21,21 @@ struct EnvironmentRequest {
   std::string path;                      // a file or a sequence (MapFile); empty, and no image:
                                          // the scene's own lights
   std::shared_ptr<const Image> image;    // in place of a file; notes and errors call it "map"
+  std::uint64_t image_hash = 0;          // of its bits; other images have others
   std::optional<Projection> projection;  // unset: by the picture's shape, see DetectProjection
   float rotation_degrees = 0;            // counter-clockwise about the up axis, seen from above
   float intensity = 1;
   std::optional<char> up_axis;  // unset: the scene's
   ReadLimits limits;
+
+  // Whether there is a map in place of the scene's own lights.
+  bool has_map() const { return !path.empty() || image != nullptr; }
 };
 
 // Changes of the camera. Unset values are those of the scene's camera or of the automatic one.
 struct CameraRequest {
-  std::string name;  // one of the scene's cameras; empty: its first one
+  std::string name;              // one of the scene's cameras; empty: its first one
+  std::optional<Camera> placed;  // in place of the scene's first one
   std::optional<CameraKind> kind;
   std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
   std::optional<float> fov_degrees;

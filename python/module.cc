@@ -63,11 +63,10 @@ class Shared {
 using Scene = Shared<api::Scene>;
 using Renderer = Shared<api::Renderer>;
 
-// Takes the scene, which is empty then, or copies it.
-api::Scene OwnScene(Scene& scene, bool take) {
-  return scene.Use(
-      [&](api::Scene& s) { return take ? std::exchange(s, api::Scene()) : api::Scene(s); });
-}
+// Options as the package hands them over.
+using OptionTexts = std::vector<std::pair<std::string, std::string>>;
+
+api::Options OptionsOf(const OptionTexts& texts) { return {texts.begin(), texts.end()}; }
 
 template <class Number>
 std::span<const Number> SpanOf(const Array<Number>& array) {
@@ -145,8 +144,8 @@ void AddScene(py::module_& module) {
   using Numbers = std::vector<std::pair<std::string, std::vector<float>>>;
   py::class_<Scene>(module, "Scene")
       .def(py::init<>())
-      .def(py::init([](const std::string& path, const api::Options& options) {
-        return Unlocked([&] { return std::make_unique<Scene>(path, options); });
+      .def(py::init([](const std::string& path, const OptionTexts& options) {
+        return Unlocked([&] { return std::make_unique<Scene>(path, OptionsOf(options)); });
       }))
       .def("copy",
            [](Scene& scene) {
@@ -231,9 +230,9 @@ void AddScene(py::module_& module) {
 
 void AddRenderer(py::module_& module) {
   py::class_<Renderer>(module, "Renderer")
-      .def(py::init([](Scene& scene, bool take, const api::Options& options) {
-        api::Scene own = OwnScene(scene, take);
-        return Unlocked([&] { return std::make_unique<Renderer>(std::move(own), options); });
+      .def(py::init([](Scene& scene, const OptionTexts& options) {
+        return scene.Use(
+            [&](api::Scene& s) { return std::make_unique<Renderer>(s, OptionsOf(options)); });
       }))
       .def("width",
            [](Renderer& renderer) {
@@ -332,11 +331,11 @@ void AddFunctions(py::module_& module) {
         return Text(Unlocked([&] { return api::Compare(pixels, reference); }));
       },
       image, py::arg("reference").noconvert());
-  module.def("converge", [](Scene& scene, bool take, const api::Options& options,
-                            const py::object& progress) {
+  module.def("converge", [](Scene& scene, const OptionTexts& options, const py::object& progress) {
     const api::ProgressCallback callback = CallbackOf(progress);
-    api::Scene own = OwnScene(scene, take);
-    return Text(Unlocked([&] { return api::Converge(std::move(own), options, callback); }));
+    // A copy, so that others may use the scene meanwhile.
+    const api::Scene copy = scene.Use([](api::Scene& s) { return s; });
+    return Text(Unlocked([&] { return api::Converge(copy, OptionsOf(options), callback); }));
   });
   module.def(
       "describe_map",

@@ -73,7 +73,7 @@ std::string LabelOf(const std::string& option, const std::string& text) {
 AxisReader::AxisReader(const std::string& path)
     : path_(path),
       folder_(std::filesystem::path(path).parent_path().string()),
-      options_(BindPictureOptions(std::make_shared<PictureRequest>())) {}
+      options_(BindAll(PictureOptions(), std::make_shared<PictureRequest>())) {}
 
 void AxisReader::Refuse(std::size_t line, const std::string& reason) const {
   throw InputError(InputPosition::Line(path_, line), reason);

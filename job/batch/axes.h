@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "job/batch/job_file.h"
-#include "job/batch/picture_request.h"
+#include "job/batch/picture_options.h"
 
 namespace skywave {
 

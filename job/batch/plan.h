@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "job/batch/picture_request.h"
+#include "job/batch/picture_options.h"
 
 namespace skywave {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "job/batch/picture_request.h"
+#include "job/batch/picture_options.h"
 #include "job/options.h"
 #include "job/picture.h"
 #include "job/resolve.h"

@@ -30,7 +30,7 @@ _READING = tuple(name.replace("-", "_") for name in _core.options_of_reading())
 
 
 def _scene_and_options(scene, env, options):
-    """Returns the scene lit by `env`, whether it may be taken, and the options as text."""
+    """Returns the scene lit by `env`, and the options as text."""
     own = not isinstance(scene, Scene)
     if own:
         reading = {name: options[name] for name in _READING if name in options}
@@ -38,8 +38,8 @@ def _scene_and_options(scene, env, options):
         options = {name: value for name, value in options.items() if name not in _READING}
     if env is not None and not _convert.is_path(env):
         lit = (scene if own else scene.copy()).set_environment(env)
-        return lit._core, True, _convert.options(options)
-    return scene._core, own, _convert.options({"env": env, **options})
+        return lit._core, _convert.options(options)
+    return scene._core, _convert.options({"env": env, **options})
 
 
 def render(scene, env=None, *, progress=None, checkpoint=None, checkpoint_seconds=0, resume=False,

@@ -155,6 +155,74 @@ TEST_F(Library, MapInMemoryEqualsMapFromFile) {
                         Render(memory, With(kSmall, {{"env", Path("black_but_one.pfm")}}))));
 }
 
+// Renderers of a scene share what they make of it, and none sees what another one or a change of
+// the scene has made: each picture is that of a scene which nobody has rendered before.
+TEST_F(Library, RenderersOfOneSceneMakeThePicturesOfScenesOfTheirOwn) {
+  const Square square;
+  const Map map;
+  std::vector<float> dim = map.rgb;
+  for (float& value : dim) value *= 0.25f;
+  const std::function<void(api::Scene&)> changes[] = {
+      [&](api::Scene& s) { s.AddMesh(square.mesh()); },
+      [&](api::Scene& s) { s.SetEnvironment(map.image()); },
+      [](api::Scene& s) {
+        s.SetCamera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 40);
+      },
+      [](api::Scene& s) {
+        s.AddMaterial("conductor", {{"alpha", {0.2f}}});
+      },
+      [&](api::Scene& s) {
+        api::MeshArrays raised = square.mesh();
+        std::vector<float> positions = square.positions;
+        for (std::size_t i = 1; i < positions.size(); i += 3) positions[i] = 0.5f;
+        raised.positions = positions;
+        raised.material = 1;
+        s.AddMesh(raised);
+      },
+      [&](api::Scene& s) {
+        s.SetEnvironment({dim, 16, 8});
+      },
+      [](api::Scene& s) {
+        s.AddPointLight({0, 2, 0}, {3, 1, 1});
+      },
+      [](api::Scene& s) {
+        s.SetCamera({-2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 40);
+      },
+      [](api::Scene& s) { s.SetUp('z'); }};
+  api::Scene changed;
+  std::optional<api::Renderer> earlier;
+  std::vector<float> of_earlier;
+  for (std::size_t i = 0; i < std::size(changes); ++i) {
+    changes[i](changed);
+    if (i == 0) continue;  // no light yet
+    api::Scene fresh;
+    for (std::size_t k = 0; k <= i; ++k) changes[k](fresh);
+    const std::vector<float> expected = Render(fresh, kSmall);
+    EXPECT_TRUE(SameBits(Render(changed, kSmall), expected)) << "change " << i;
+    const api::Scene copy = changed;
+    EXPECT_TRUE(SameBits(Render(copy, kSmall), expected)) << "copy of change " << i;
+    if (earlier) {
+      earlier->Render();
+      EXPECT_TRUE(SameBits(Pixels(*earlier), of_earlier)) << "before change " << i;
+    }
+    earlier.emplace(changed, kSmall);
+    of_earlier = expected;
+  }
+}
+
+TEST_F(Library, OptionsTakeNumbersAndTruthValues) {
+  const api::Scene scene("spheres");
+  const Options texts = {{"size", "20x12"},  {"spp", "3"},     {"fov", "33.25"},
+                         {"ground", "true"}, {"mis", "false"}, {"env-intensity", "0.1"}};
+  const Options values = {{"size", "20x12"}, {"spp", 3u},    {"fov", 33.25},
+                          {"ground", true},  {"mis", false}, {"env-intensity", 0.1f}};
+  EXPECT_TRUE(SameBits(Render(scene, texts), Render(scene, values)));
+  EXPECT_FALSE(SameBits(Render(scene, texts), Render(scene, With(values, {{"spp", 4}}))));
+  api::Renderer renderer(scene, values);
+  renderer.Render({});
+  EXPECT_TRUE(SameBits(Pixels(renderer), Render(scene, texts)));
+}
+
 // The camera of a scene is the one that the options place, also where space is left-handed.
 TEST_F(Library, CameraOfTheSceneEqualsCameraOptions) {
   Put("left.pbrt",

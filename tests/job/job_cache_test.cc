@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <barrier>
 #include <memory>
@@ -16,6 +17,8 @@
 #include "job/job.h"
 #include "job/options.h"
 #include "job/picture.h"
+#include "scene/reader.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/render.h"
 
@@ -65,17 +68,33 @@ TEST_F(Cache, StaysWithinItsLimitWhateverTheSizes) {
     EXPECT_LE(cache.bytes(), 100u);
   }
   Get(cache, "small", 1);
-  const std::shared_ptr<const Bytes> large = Get(cache, "large", 101);
-  EXPECT_EQ(large->size, 101u);
+  EXPECT_EQ(Get(cache, "large", 101)->size, 101u);
   EXPECT_LE(cache.bytes(), 100u);
   EXPECT_FALSE(Has(cache, "large"));
 }
 
 TEST_F(Cache, DroppedValuesLiveWhileTheyAreHeld) {
   JobCache cache(1);
-  const std::shared_ptr<const Bytes> held = Get(cache, "a");
-  EXPECT_FALSE(Has(cache, "a"));
+  std::shared_ptr<const Bytes> held = Get(cache, "a");
+  EXPECT_LE(cache.bytes(), 1u);
   EXPECT_EQ(held->number, 1);
+  EXPECT_EQ(Get(cache, "a"), held);  // and are found
+  Get(cache, "b");
+  EXPECT_EQ(Get(cache, "a"), held);
+  EXPECT_LE(cache.bytes(), 1u);
+  held.reset();
+  EXPECT_FALSE(Has(cache, "a"));
+}
+
+TEST_F(Cache, ForgetsWhatBeginsWithAPrefix) {
+  JobCache cache(100);
+  for (const char* const key : {"a", "b 1", "b 2", "c"}) Get(cache, key);
+  cache.Forget("b ");
+  EXPECT_EQ(cache.bytes(), 20u);
+  EXPECT_TRUE(Has(cache, "a"));
+  EXPECT_TRUE(Has(cache, "c"));
+  EXPECT_FALSE(Has(cache, "b 1"));
+  EXPECT_FALSE(Has(cache, "b 2"));
 }
 
 TEST_F(Cache, MakesAValueOnceForAllThreads) {
@@ -127,9 +146,7 @@ using Options = std::vector<Option>;
 Outcome Render(const Options& options, JobCache* cache) {
   const auto request = std::make_shared<JobRequest>();
   request->width = 24, request->height = 16, request->samples_per_pixel = 1;
-  std::vector<BoundOption> bound;
-  for (const JobOption& option : JobOptions()) bound.push_back(Bind(option, request));
-  SetOptions(bound, options);
+  SetOptions(BindAll(JobOptions(), request), options);
   const RenderJob job(*request, cache);
   Film film = job.MakeFilm();
   RenderFrame(job.frame(), film);
@@ -223,6 +240,123 @@ class SharedParts : public testing::Test {
   TemporaryFolder folder_;
   std::vector<Options> jobs_;
 };
+
+// Returns the options of an example as the table has it, "scene.pbrt --spp 3 --no-mis"; names of
+// files that `folder` has are in it.
+Options OptionsOfExample(const std::string& example, const TemporaryFolder& folder) {
+  std::vector<std::string> words = {""};
+  bool quoted = false;
+  for (const char c : example) {
+    if (c == '\'') {
+      quoted = !quoted;
+    } else if (!quoted && (c == ' ' || c == '=') && (c == ' ' || words.back().starts_with("--"))) {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  for (std::string& word : words) {
+    if (std::filesystem::is_regular_file(folder.Path(word))) word = folder.Path(word);
+  }
+  Options options;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    const bool has_value = i + 1 < words.size() && !words[i + 1].starts_with("--");
+    if (!word.starts_with("--")) {
+      options.emplace_back("scene", word);
+    } else if (word.starts_with("--no-")) {
+      options.emplace_back(word.substr(5), "false");
+    } else {
+      options.emplace_back(word.substr(2), has_value ? words[++i] : "true");
+    }
+  }
+  return options;
+}
+
+// What is kept is made anew where the line of an option in the table says that the option changes
+// it. An option whose line forgets a map or the lights of the scene gives the picture of its value
+// before; one that forgets the prepared scene gives no other picture at all, as other tests see.
+TEST_F(SharedParts, FollowTheChangeOfAnyOptionOfTheTable) {
+  folder_.Write("moving.gltf", MovingTriangle().text());
+  folder_.Write("scene.pbrt", std::string(kCamera) + kOneLight + kShapes);
+  WriteExr(folder_.Path("map.exr"), ReadImage(folder_.Path("sky.pfm")));
+  const Option lights = {"scene", folder_.Path("lights.pbrt")};
+  const Option map = {"env", folder_.Path("sun.pfm")};
+  JobCache cache(std::uint64_t{1} << 40);
+  const auto expect_fresh = [&](const Options& options) {
+    const Outcome fresh = Render(options, nullptr), shared = Render(options, &cache);
+    EXPECT_EQ(shared.notes, fresh.notes) << Text(options);
+    EXPECT_EQ(shared.scene_hash, fresh.scene_hash) << Text(options);
+    EXPECT_EQ(shared.map_hash, fresh.map_hash) << Text(options);
+    EXPECT_TRUE(shared.sums == fresh.sums) << Text(options);
+  };
+  for (const JobOption& option : JobOptions()) {
+    ASSERT_NE(option.example, "") << option.name;
+    const Options example = OptionsOfExample(std::string(option.example), folder_);
+    const bool found = std::any_of(example.begin(), example.end(),
+                                   [&](const Option& given) { return given.first == option.name; });
+    EXPECT_TRUE(found) << option.name;
+    for (const Options& base : {Options{lights}, Options{lights, map}}) {
+      // The scene of the example, if it has one, without the option and with it.
+      Options before = base;
+      for (const Option& given : example) {
+        if (given.first != option.name || given.first == "scene") before.push_back(given);
+      }
+      if (example.front().first == "scene" && base.size() == 1) before.push_back(map);
+      Options with = before;
+      for (const Option& given : example) with.push_back(given);
+      // `--no-mis` of this one asks for `--paths`.
+      if (option.positional || option.name == "paths") before = base;
+      expect_fresh(before);
+      expect_fresh(with);
+    }
+  }
+}
+
+TEST_F(SharedParts, OfASceneInMemoryAreBuiltOnceForAllCamerasMapsAndStrategies) {
+  auto scene = std::make_unique<SharedScene>(
+      std::make_shared<LoadedScene>(ReadScene(folder_.Path("lights.pbrt"), ReadOptions())));
+  const auto job = [&](const Options& options) {
+    const auto request = std::make_shared<JobRequest>();
+    request->width = 24, request->height = 16, request->samples_per_pixel = 1;
+    SetOptions(BindAll(JobOptions(), request), options);
+    return RenderJob(*scene, *request);
+  };
+  const Options env = {{"env", folder_.Path("sky.pfm")}};
+  std::optional<RenderJob> first(job(env));
+  const Geometry* const geometry = &first->geometry();
+  const EnvStrategy* const strategy = &first->strategy();
+  const auto with = [&](Option option) { return Options{env.front(), std::move(option)}; };
+  EXPECT_EQ(&job(with({"eye", "1,3,6"})).geometry(), geometry);
+  EXPECT_EQ(&job(with({"eye", "1,3,6"})).strategy(), strategy);
+  EXPECT_EQ(&job(with({"size", "8x8"})).strategy(), strategy);
+  EXPECT_EQ(&job(with({"strategy", "alias"})).geometry(), geometry);
+  EXPECT_NE(&job(with({"strategy", "alias"})).strategy(), strategy);
+  EXPECT_EQ(&job(with({"env", folder_.Path("ramp.pfm")})).geometry(), geometry);
+  EXPECT_NE(&job(with({"ground", "true"})).geometry(), geometry);
+  first.reset();
+  EXPECT_EQ(&job(env).strategy(), strategy);  // kept though no job is there
+  // A job needs its scene no more.
+  const RenderJob last = job(env);
+  scene.reset();
+  Film film = last.MakeFilm();
+  RenderFrame(last.frame(), film);
+  EXPECT_TRUE(std::any_of(film.sums().begin(), film.sums().end(), [](auto x) { return x != 0; }));
+}
+
+TEST_F(SharedParts, AreMadeAnewWhenTheFileOfAMapHasChanged) {
+  const SharedScene scene(
+      std::make_shared<LoadedScene>(ReadScene(folder_.Path("one.pbrt"), ReadOptions())));
+  JobRequest request;
+  request.width = 8, request.height = 6;
+  request.environment.path = folder_.Path("sky.pfm");
+  const std::uint64_t before = RenderJob(scene, request).map_hash();
+  EXPECT_EQ(RenderJob(scene, request).map_hash(), before);
+  Image other(16, 8);
+  for (float& value : other.rgb) value = 2;
+  WritePfm(folder_.Path("sky.pfm"), other);
+  EXPECT_NE(RenderJob(scene, request).map_hash(), before);
+}
 
 TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
   JobCache cache(std::uint64_t{1} << 40);

@@ -42,11 +42,10 @@ TEST(Options, HaveUniqueNamesAndHelpTexts) {
   }
 }
 
-// Without an example, the test of recorded commands would skip the option.
-TEST(Options, OptionsOfThePictureHaveAnExampleThatNamesThem) {
+// Without an example, the tests of recorded commands and of the cache would skip the option.
+TEST(Options, HaveAnExampleThatNamesThem) {
   for (const JobOption& option : JobOptions()) {
     SCOPED_TRACE(option.name);
-    if (option.scope != OptionScope::kPixels && option.scope != OptionScope::kInput) continue;
     if (option.positional) continue;
     const std::string flag =
         (option.printed_default == "true" ? "--no-" : "--") + std::string(option.name);
