@@ -149,7 +149,6 @@ JobOption Resolved(OptionOf<JobRequest> option,
 // Integrators that take an option.
 bool SelectsPaths(Integrator integrator) { return Describe(integrator).selects_paths; }
 bool Splits(Integrator integrator) { return Describe(integrator).splits; }
-bool GuidesBounces(Integrator integrator) { return Describe(integrator).guides_bounces; }
 bool Controls(Integrator integrator) { return Describe(integrator).controls; }
 bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
 bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
@@ -255,8 +254,6 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(continuation_strategy), Texts("a strategy")),
     Plain({.name = "guide", .group = kPaths, .help = "light paths from the map start where a pilot of camera paths needed them", .scope = kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
           FIELD(options.guide), Switches()),
-    Plain({.name = "guide-bounces", .group = kPaths, .help = "paths go on where a pilot has found that light comes from", .scope = kPixels, .example = "--guide-bounces", .applies = GuidesBounces},
-          FIELD(options.guide_bounces), Switches()),
     Plain({.name = "paths", .group = kPaths, .help = "only paths of S vertices from the light and T from the eye; with --no-mis their weight is 1", .scope = kPixels, .example = "--integrator bdpt --paths 2,1 --no-mis", .default_text = "all", .applies = SelectsPaths},
           FIELD(options.subpath_lengths), Lengths()),
 

@@ -11,7 +11,6 @@
 #include "kernels/light_paths/camera_connection.h"
 #include "kernels/light_paths/emission.h"
 #include "kernels/light_paths/photons.h"
-#include "kernels/lights/bounce_guide.h"
 #include "kernels/lights/local_lights.h"
 #include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
@@ -102,8 +101,6 @@ struct RenderOptions {
   AovSet aovs = 0;  // layers in addition to the picture
   // Light paths from the environment start where camera paths of a pilot needed them.
   bool guide = false;
-  // Paths go on where a pilot has found that light comes from.
-  bool guide_bounces = false;
   PhotonOptions photons;
   VirtualLightOptions virtual_lights;
   IrradianceCacheOptions irradiance_cache;
@@ -151,7 +148,6 @@ struct FrameView {
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
   IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
   ControlWeightView control_weights = {};     // without weights: the control weighs 1 everywhere
-  BounceGuideView bounce_guide = {};          // without places: paths are not guided
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
@@ -160,7 +156,6 @@ struct FrameView {
   bool splits() const { return options.split > 0; }
   bool controls() const { return irradiance.nodes != nullptr; }
   bool weighs_control() const { return control_weights.weight != nullptr; }
-  bool guides_bounces() const { return bounce_guide.place != nullptr; }
   // True if light comes from beyond the scene; if not, the strategy is not used.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }

@@ -43,14 +43,6 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
                                   "`integrator {}` do not take",
                                   name));
   }
-  if (options.guide_bounces && !integrator.guides_bounces) {
-    throw OptionError("guide-bounces", "",
-                      fmt::format("guides paths from the camera: use `integrator {}`",
-                                  NamesWith(&IntegratorDescriptor::guides_bounces)));
-  }
-  if (options.guide_bounces && (options.split > 0 || options.control != ControlVariate::kNone)) {
-    throw OptionError("guide-bounces", "", "goes together with neither `split` nor `control`");
-  }
   if (options.subpath_lengths && !integrator.selects_paths) {
     throw OptionError("paths", "",
                       fmt::format("shows what single techniques bring, which `integrator {}` does "

@@ -9,7 +9,6 @@
 #include <numeric>
 
 #include "base/clock.h"
-#include "wavefront/guiding/bounce_pilot.h"
 #include "wavefront/guiding/control_pilot.h"
 #include "wavefront/guiding/emission_guide.h"
 #include "wavefront/guiding/strategy_pilot.h"
@@ -301,9 +300,6 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
     }
     ControlWeights weights;
     if (frame.controls()) weights = LearnControl(pool, frame, result.control);
-    std::unique_ptr<BounceGuide> bounce_guide;
-    if (options.guide_bounces) bounce_guide = LearnBounces(frame, pool, result.bounces);
-    if (bounce_guide) frame.bounce_guide = bounce_guide->view();
     EmissionGuide guide;
     if (options.guide && Describe(options.integrator).has_light_paths() &&
         frame.has_environment()) {

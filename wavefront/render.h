@@ -59,10 +59,10 @@ struct RenderControl {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
-  GuideCounts guide, visibility, control, bounces;  // their seconds are among `seconds`
-  std::vector<StrategyChoice> choices;  // of each strategy that was `auto`; their seconds too
-  double seconds = 0;                   // wall clock, from the first wave to the last
-  double processor_seconds = 0;         // of all threads of the process meanwhile
+  GuideCounts guide, visibility, control;  // their seconds are among `seconds`
+  std::vector<StrategyChoice> choices;     // of each strategy that was `auto`; their seconds too
+  double seconds = 0;                      // wall clock, from the first wave to the last
+  double processor_seconds = 0;            // of all threads of the process meanwhile
   int threads = 0;
   std::uint32_t samples_per_pixel = 0;  // in the film, if the frame's were not there before
   // Where blocks end apart, pixels have fewer than that on average.

@@ -20,7 +20,6 @@ std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   if (integrator.has_light_paths()) worker->light.emplace(options.wave);
   if (Sums(options.aovs, AovSum::kLightGroups)) worker->groups.emplace(options.wave);
   if (integrator.add_tables != nullptr) integrator.add_tables(options, *worker);
-  if (options.guide_bounces) worker->guide.emplace(options.wave);
   if (options.control != ControlVariate::kNone) {
     worker->control.emplace(options.wave);
     if (worker->continuations) worker->continuations->wave.control.emplace(options.wave);

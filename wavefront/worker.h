@@ -114,13 +114,6 @@ struct ControlTables {
   soa::Table<ControlWeightColumns> weights;  // of the current surfaces
 };
 
-// Guided paths need these tables.
-struct GuideTables {
-  explicit GuideTables(std::uint32_t wave) : rows(wave), values(wave) {}
-  soa::Table<GuideColumns> rows;
-  soa::Table<BsdfValueColumns> values;  // of the current directions
-};
-
 struct Continuations;
 
 struct Worker {
@@ -147,7 +140,6 @@ struct Worker {
   std::optional<IrradianceTables> irradiance;
   std::optional<GroupTables> groups;
   std::optional<ControlTables> control;
-  std::optional<GuideTables> guide;
   std::unique_ptr<Continuations> continuations;
 };
 

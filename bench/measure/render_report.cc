@@ -70,10 +70,6 @@ std::string Table(const RenderReport& report) {
     line("  control: weights by {} surfaces of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples,
          learnt.paths, learnt.seconds, double(learnt.bytes) / (1 << 20));
   }
-  if (const GuideCounts& learnt = report.frame.bounces; learnt.paths > 0) {
-    line("  guided bounces: {} rays of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples,
-         learnt.paths, learnt.seconds, double(learnt.bytes) / (1 << 20));
-  }
   for (const StrategyChoice& choice : report.frame.choices) {
     std::string scores;
     for (const CandidateScore& score : choice.scores) {
@@ -173,7 +169,6 @@ std::string JsonText(const RenderReport& report) {
   add_pilot("guide", report.frame.guide);
   add_pilot("visibility", report.frame.visibility);
   add_pilot("control", report.frame.control);
-  add_pilot("guided_bounces", report.frame.bounces);
   for (const StrategyChoice& choice : report.frame.choices) {
     nlohmann::ordered_json scores = nlohmann::ordered_json::object();
     for (const CandidateScore& score : choice.scores) {

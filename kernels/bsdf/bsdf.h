@@ -154,8 +154,6 @@ struct BsdfTraits {
   std::string_view name;
   bool lobed = false;  // it chooses between lobes: it needs ScatterUniforms::lobe.u
   Varying varying = Varying::kNothing;
-  // Directions may be guided (kernels/lights/bounce_guide.h): reflection that is diffuse or nearly.
-  bool guided = false;
   bool transmits = false;  // light passes through
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
   // With alpha_across its facets have two widths, and a surface needs a tangent.

@@ -76,7 +76,6 @@ inline constexpr BsdfTraits CoatedDiffuseTraits = {
     .name = "coated-diffuse",
     .lobed = true,
     .varying = Varying::kAlpha,
-    .guided = true,
     .tables = {.coat = true},
     .parameters = {{"alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {

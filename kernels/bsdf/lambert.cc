@@ -39,7 +39,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits LambertTraits = {.name = "lambert", .guided = true};
+inline constexpr BsdfTraits LambertTraits = {.name = "lambert"};
 SKYWAVE_BSDF_TABLE(Lambert)
 
 }  // namespace skywave

@@ -25,7 +25,6 @@ inline constexpr BsdfTraits MetallicRoughnessTraits = {
     .name = "metallic-roughness",
     .lobed = true,
     .varying = Varying::kRoughness,
-    .guided = true,
     .tables = {.ggx = true},
     .parameters = {{"alpha"}, {"metallic"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {

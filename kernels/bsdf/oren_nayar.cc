@@ -82,7 +82,6 @@ namespace skywave {
 
 inline constexpr BsdfTraits OrenNayarTraits = {
     .name = "oren-nayar",
-    .guided = true,
     .parameters = {{"alpha"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PutField(r, HWY_NAMESPACE::OrenNayar::kRoughness, std::clamp(m.alpha, 0.0f, 1.0f));

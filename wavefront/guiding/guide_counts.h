@@ -1,7 +1,6 @@
 // A frame reports this about a pilot: that which guided its light paths
-// (wavefront/guiding/emission_guide.h), that which taught its strategy visibility
-// (wavefront/guiding/visibility_pilot.h), or that which guided its paths from the camera
-// (wavefront/guiding/bounce_pilot.h).
+// (wavefront/guiding/emission_guide.h), or that which taught its strategy visibility
+// (wavefront/guiding/visibility_pilot.h).
 #pragma once
 
 #include <cstddef>

@@ -55,7 +55,6 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy, std::ui
   FrameView pilot = CoarseView(frame, paths, kSamples);
   pilot.strategy = &strategy;
   pilot.irradiance = {};
-  pilot.bounce_guide = {};
   const RenderOptions coarse = pilot.options;
   pilot.options = {};
   pilot.options.width = coarse.width, pilot.options.height = coarse.height;

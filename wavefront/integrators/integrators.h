@@ -76,7 +76,6 @@ struct IntegratorDescriptor {
   bool splits = false;            // takes the option `split`
   bool selects_paths = false;     // takes the option `paths`
   bool controls = false;          // takes the option `control`
-  bool guides_bounces = false;    // takes the option `guide-bounces`
   bool has_light_groups = false;  // keeps light groups apart if paths do not split
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film

@@ -69,7 +69,6 @@ IntegratorDescriptor PathIntegrator() {
   return {.help = "paths from the camera; caustics of small lights stay noisy or are missed",
           .splits = true,
           .controls = true,
-          .guides_bounces = true,
           .has_light_groups = true,
           .add_tables = AddTables,
           .render_wave = RenderWholeOrSplitPaths};

@@ -213,8 +213,6 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
   const LightShares shares = frame.light_shares();
-  const GuideTables* const guide = w.guide ? &*w.guide : nullptr;
-  if (frame.guides_bounces()) FindGuides(frame, w.surfaces, w.ranges, *guide);
   for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
     const LightUniforms uniforms(w.scratch);
     const LightPlaces places(w.hits);
@@ -223,8 +221,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
                      uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w),
-                   guide);
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w));
     // The first light sample has one of the bounce's numbers; later ones are numbered after those.
     const std::uint32_t event = pairs + SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
@@ -250,8 +247,7 @@ std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::u
                               StageClock& clock) {
   const std::uint32_t n =
       Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(frame, w),
-              w.guide ? &*w.guide : nullptr, &w.lights.columns());
+              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(frame, w));
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   clock.Lap(Stage::kScatter);
   return n;

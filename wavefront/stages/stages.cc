@@ -214,33 +214,13 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
   return SampleRows(frame, points, shares, call, n, uniforms, scratch, lights, places);
 }
 
-void FindGuides(const FrameView& frame, const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                const GuideTables& guide) {
-  FindPlaces(frame.bounce_guide.places, ranges.light_sampled(), surfaces, guide.rows->place);
-  FindGuideShares(frame.bounce_guide, ranges.light_sampled(), guide.rows);
-  ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
-    if (!bsdf.guided || bsdf.varying != Varying::kRoughness) return;
-    LeaveGlossToBsdf(Slice(surfaces, at.begin), at.n, Slice(guide.rows.columns(), at.begin));
-  });
-}
-
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
-                    const LightColumns& lights, const ControlRows& control,
-                    const GuideTables* guide) {
+                    const LightColumns& lights, const ControlRows& control) {
   const MaterialView materials = frame.geometry->materials();
   ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
     const SurfaceColumns at = Slice(surfaces, rows.begin);
     const LightColumns lights_at = Slice(lights, rows.begin);
-    if (frame.guides_bounces() && bsdf.guided) {
-      // The mixture that will draw the direction of the path competes with the light sample.
-      const GuideColumns guide_at = Slice(guide->rows.columns(), rows.begin);
-      const BsdfValueColumns values = Slice(guide->values.columns(), rows.begin);
-      bsdf.evaluate(at, materials, lights_at, rows.n, values);
-      FindGuideDensities(frame.bounce_guide, rows.n, lights_at, guide_at);
-      LightGuided(at, guide_at, values, rows.n, frame.mis(), lights_at);
-      return;
-    }
     if (!frame.controls()) {
       bsdf.evaluate_lights(at, materials, rows.n, frame.mis(), lights_at);
       return;
@@ -271,8 +251,7 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlRows& control, const GuideTables* guide,
-                      const LightColumns* directions) {
+                      const RayColumns& rays, const ControlRows& control) {
   const MaterialView materials = frame.geometry->materials();
   const bool roulette = bounce >= kFirstRouletteBounce;
   assert(!frame.controls() || control.out.r != nullptr);
@@ -292,19 +271,6 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
                                   .first_row = at.begin,
                                   .transport = end.transport,
                                   .control = frame.controls() ? &known : nullptr};
-    if (frame.guides_bounces() && bsdf.guided) {
-      const GuideColumns guide_at = Slice(guide->rows.columns(), at.begin);
-      const BsdfValueColumns values = Slice(guide->values.columns(), at.begin);
-      const LightColumns drawn = Slice(*directions, at.begin);
-      const std::uint32_t guided = ChooseGuided(guide_at, at.n, direction, guide_at.guided);
-      bsdf.draw(rows, materials, {.direction = direction, .lobe = lobe}, at.n, drawn);
-      DrawGuided(frame.bounce_guide, guide_at, direction, guide_at.guided, guided, drawn);
-      FindGuideDensities(frame.bounce_guide, at.n, drawn, guide_at);
-      bsdf.evaluate(rows, materials, drawn, at.n, values);
-      appended =
-          ScatterGuided(rows, guide_at, values, drawn, lobe->v, at.n, policy, rays, appended);
-      return;
-    }
     const std::uint32_t first = appended;
     appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, at.n, policy,
                             rays, appended);

@@ -92,11 +92,6 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
                         const LightUniforms& uniforms, const Scratch& scratch,
                         const LightColumns& lights, const LightPlaces& places);
 
-// Finds how paths are guided at surfaces that take light samples. This comes before light samples
-// are evaluated.
-void FindGuides(const FrameView& frame, const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                const GuideTables& guide);
-
 // Bounces before this one are never cut by roulette.
 inline constexpr std::uint32_t kFirstRouletteBounce = 3;
 
@@ -107,14 +102,12 @@ struct ControlRows {
   const float* weight = nullptr;
 };
 
-// Turns light samples into contributions and opens or closes their shadow rays. `guide` is needed
-// only where paths are guided. With a control variate, `control` gets what is subtracted from the
-// paths of the surfaces; the first light sample of a surface subtracts the integral of the control
-// as well.
+// Turns light samples into contributions and opens or closes their shadow rays. With a control
+// variate, `control` gets what is subtracted from the paths of the surfaces; the first light sample
+// of a surface subtracts the integral of the control as well.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
-                    const LightColumns& lights, const ControlRows& control = {},
-                    const GuideTables* guide = nullptr);
+                    const LightColumns& lights, const ControlRows& control = {});
 
 // Rejects (t_far negative) light samples on transparent texels; their shadow rays stop short of
 // these. `keys` are those of the shadow rays.
@@ -122,13 +115,11 @@ void CloseTransparentSamples(const FrameView& frame, const LightPlaces& places, 
                              std::uint32_t n, float* t_far);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
-// their number. With a control variate, `control` gets what is subtracted for each of them. Where
-// paths are guided, `guide` has what FindGuides has found, and `directions` is borrowed.
+// their number. With a control variate, `control` gets what is subtracted for each of them.
 std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlRows& control = {},
-                      const GuideTables* guide = nullptr, const LightColumns* directions = nullptr);
+                      const RayColumns& rays, const ControlRows& control = {});
 
 }  // namespace skywave
