@@ -17,6 +17,7 @@
 #include "scene/scene.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_area.h"
+#include "wavefront/film/filter.h"
 #include "wavefront/integrators/integrators.h"
 #include "wavefront/rays/trace.h"
 
@@ -185,26 +186,6 @@ struct FrameView {
 float PixelAngle(const CameraView& camera);
 // Returns the size of a pixel in the middle of the whole film, at a distance along a camera path.
 float PixelSize(const CameraView& camera, float distance);
-
-// Returns the radius of a filter for which the user gave none [pixels].
-float DefaultFilterRadius(PixelFilter filter);
-
-// Returns whether some weights of the filter are negative.
-constexpr bool HasSigns(PixelFilter filter) {
-  return filter == PixelFilter::kMitchell || filter == PixelFilter::kSinc;
-}
-
-// Returns kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the
-// filter's magnitude.
-std::vector<float> FilterOffsets(PixelFilter filter, float radius);
-
-// Returns kFilterCells factors of the samples in the cells of FilterOffsets that make their
-// expectation that of the filter, or nothing for filters without signs, where all are 1.
-std::vector<float> FilterFactors(PixelFilter filter, float radius,
-                                 const std::vector<float>& offsets);
-
-// Returns kFilterCells densities of the same filter, as FilterView needs them, from FilterOffsets.
-std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius);
 
 // `width` and `height` are those of the whole film [pixels], of which `crop` is rendered, or all if
 // it is unset. `filter_offset` must outlive the view.

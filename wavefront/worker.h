@@ -164,7 +164,7 @@ inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<HitColumns>() + soa::BytesPerRow<EscapeColumns>() +
     soa::BytesPerRow<SurfaceColumns>() + soa::BytesPerRow<LightColumns>() +
     soa::BytesPerRow<HistoryColumns>() + Scratch::kBytesPerRow;
-// A wave of 1024 rows must stay within 3/4 of a second-level cache of 512 KiB.
-static_assert(kWorkerBytesPerRow * 1024 <= 384 * 1024);
+// A wave of the default size must stay within 3/4 of a second-level cache of 1 MiB.
+static_assert(kWorkerBytesPerRow * 2048 <= 768 * 1024);
 
 }  // namespace skywave

@@ -14,31 +14,34 @@
 #include "base/files.h"
 #include "bench/measure/machine.h"
 #include "job/options.h"
+#include "wavefront/stats.h"
 
 namespace skywave {
 namespace {
 
-// The functions that make up each stage. An instruction belongs to the innermost one around it, and
-// to `wave` as well if it is below one of those.
-constexpr std::string_view kWave = "wave";
-constexpr std::pair<std::string_view, std::string_view> kStageFunctions[] = {
-    {"GenerateRays", "generate"},
-    {"TraceClosest", "intersect"},
-    {"TraceEscapes", "intersect"},
-    {"SortHits", "partition"},
-    {"MoveEscaped", "partition"},
-    {"MoveSurfaces", "partition"},
-    {"ClassifyEscapes", "partition"},
-    {"AddEscaped", "escape"},
-    {"PrepareSurfaces", "surface"},
+// The functions that make up each stage. An instruction belongs to the innermost one around it.
+constexpr std::pair<std::string_view, Stage> kStageFunctions[] = {
+    {"GenerateRays", Stage::kGenerate},
+    {"TraceClosest", Stage::kIntersect},
+    {"TraceEscapes", Stage::kIntersect},
+    {"SortHits", Stage::kPartition},
+    {"MoveEscaped", Stage::kPartition},
+    {"MoveSurfaces", Stage::kPartition},
+    {"ClassifyEscapes", Stage::kPartition},
+    {"AddEscaped", Stage::kEscape},
+    {"PrepareSurfaces", Stage::kSurface},
+    {"SampleLights", Stage::kLightSample},
+    {"EvaluateLights", Stage::kEvaluate},
+    {"TraceShadows", Stage::kShadow},
+    {"AddUnoccludedRadiance", Stage::kAccumulate},
+    {"Scatter", Stage::kScatter},
+    {"AddPhotons", Stage::kPhotons},
+    {"GatherPhotons", Stage::kPhotons},
+    {"Film::Add", Stage::kFilm}};
+// Parts that clocks do not tell apart are counted by names of their own: textures, light paths, and
+// what joins those with paths from the camera.
+constexpr std::pair<std::string_view, std::string_view> kPartFunctions[] = {
     {"TextureSurfaces", "texture"},
-    {"SampleLights", "light_sample"},
-    {"EvaluateLights", "evaluate"},
-    {"TraceShadows", "shadow"},
-    {"AddUnoccludedRadiance", "accumulate"},
-    {"Scatter", "scatter"},
-    {"Film::Add", "film"},
-    // Light paths, and what joins them with paths from the camera.
     {"StartLightPaths", "emit"},
     {"EmitRays", "emit"},
     {"LeaveCamera", "subpath"},
@@ -52,12 +55,26 @@ constexpr std::pair<std::string_view, std::string_view> kStageFunctions[] = {
     {"EvaluateBothDirections", "connect"},
     {"WeighCameraConnections", "connect"},
     {"SplatConnections", "splat"},
-    {"StorePhotons", "store"},
-    {"AddPhotons", "photons"},
-    {"GatherPhotons", "photons"},
-    {"RenderPathWave", kWave},
-    {"RenderBdptWave", kWave},
-    {"RenderPhotonWave", kWave}};
+    {"StorePhotons", "store"}};
+// The functions that render a wave. What is below one of them belongs to `wave` as well.
+constexpr std::string_view kWave = "wave";
+constexpr std::string_view kWaveFunctions[] = {
+    "RenderPathWave", "RenderSplitWave",  "RenderDirectWave", "RenderLightWave",
+    "RenderBdptWave", "RenderPhotonWave", "RenderVplWave",    "RenderCachedWave"};
+
+// Returns the stage or part that a function makes up; empty: none.
+std::string StageOfFunction(std::string_view name) {
+  for (const auto& [function, stage] : kStageFunctions) {
+    if (name != function) continue;
+    std::string word(ToString(stage));
+    std::replace(word.begin(), word.end(), ' ', '_');
+    return word;
+  }
+  for (const auto& [function, part] : kPartFunctions) {
+    if (name == function) return std::string(part);
+  }
+  return {};
+}
 
 // The number of functions around an instruction that are kept apart. Chains between a stage and its
 // kernels are shorter, also inside of Embree.
@@ -117,7 +134,7 @@ std::string_view NameOf(std::string_view function) {
 
 // The stages that a function and its callers belong to.
 struct StagesOfChain {
-  std::string_view stage;  // empty: none
+  std::string stage;  // empty: none
   bool in_wave = false;
 };
 
@@ -128,11 +145,9 @@ StagesOfChain FindStages(std::string_view chain) {
     const std::size_t end = std::min(chain.find('\''), chain.size());
     const std::string_view name = NameOf(chain.substr(0, end));
     chain.remove_prefix(std::min(end + 1, chain.size()));
-    for (const auto& [function, stage] : kStageFunctions) {
-      if (name.empty() || name != function) continue;
-      if (stage == kWave) stages.in_wave = true;
-      if (stage != kWave && stages.stage.empty()) stages.stage = stage;
-    }
+    if (name.empty()) continue;
+    if (std::ranges::find(kWaveFunctions, name) != std::end(kWaveFunctions)) stages.in_wave = true;
+    if (stages.stage.empty()) stages.stage = StageOfFunction(name);
   }
   return stages;
 }
@@ -208,7 +223,7 @@ StageInstructions StagesOf(std::string_view profile, std::string_view program) {
                std::string_view("0123456789+-*").find(line[0]) != std::string_view::npos) {
       const std::uint64_t cost = SecondNumber(line);
       if (counted && !of_call && current != nullptr) {
-        if (!current->stage.empty()) stages[std::string(current->stage)] += cost;
+        if (!current->stage.empty()) stages[current->stage] += cost;
         if (current->in_wave) stages[std::string(kWave)] += cost;
       }
       of_call = false;

@@ -46,7 +46,6 @@ struct LightCall {
 };
 
 class EnvStrategy;
-class VisibilityStrategy;
 
 // A strategy that a pilot may choose, and about what a light sample of it costs, its density for
 // an escaped ray included, in units of what a ray of the scene costs.
@@ -103,8 +102,6 @@ class EnvStrategy {
   // Returns the strategies of which a pilot chooses one before a render
   // (wavefront/guiding/strategy_pilot.h), the one to keep in doubt first; none: this one is used.
   virtual std::span<const StrategyCandidate> candidates() const { return {}; }
-  // Returns this strategy if a pilot teaches it (wavefront/guiding/visibility_pilot.h), else null.
-  virtual const VisibilityStrategy* learns_visibility() const { return nullptr; }
 };
 
 // What a strategy is used for, where defaults depend on it.

@@ -74,7 +74,6 @@ class VisibilityStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override;
   std::size_t learnt() const { return learnt_; }
   bool complete() const override;
-  const VisibilityStrategy* learns_visibility() const override { return this; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,

@@ -100,9 +100,10 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
   double best = 0;
   for (const StrategyCandidate& candidate : candidates) {
     GuideCounts counts;
-    std::unique_ptr<EnvStrategy> taught = LearnVisibility(frame, *candidate.strategy, pool, counts);
+    std::unique_ptr<VisibilityStrategy> taught =
+        LearnVisibility(frame, *candidate.strategy, pool, counts);
     // A strategy that has learnt nothing draws as `importance` does.
-    if (taught && taught->learns_visibility()->learnt() == 0) continue;
+    if (taught && taught->learnt() == 0) continue;
     pilot.*slot = taught ? taught.get() : candidate.strategy;
     Work work;
     Image pictures[std::size(kChoiceSeeds)];

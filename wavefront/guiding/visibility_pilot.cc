@@ -62,9 +62,10 @@ class VisibilityRayList {
 
 }  // namespace
 
-std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvStrategy& strategy,
-                                             WorkerPool& pool, GuideCounts& counts) {
-  const VisibilityStrategy* const untaught = strategy.learns_visibility();
+std::unique_ptr<VisibilityStrategy> LearnVisibility(const FrameView& frame,
+                                                    const EnvStrategy& strategy, WorkerPool& pool,
+                                                    GuideCounts& counts) {
+  const VisibilityStrategy* const untaught = dynamic_cast<const VisibilityStrategy*>(&strategy);
   if (untaught == nullptr || !frame.has_environment()) return nullptr;
   const PlaceBox box = PlaceBoxOf(frame.sphere);
   if (!(box.side > 0)) return nullptr;

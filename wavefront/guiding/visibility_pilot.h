@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "lights/strategies/strategy.h"
+#include "lights/strategies/visibility.h"
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
 #include "wavefront/worker_pool.h"
@@ -14,7 +14,8 @@ namespace skywave {
 // Returns `strategy` as a pilot of the frame has taught it, or null if it is not one that learns.
 // What is learnt depends on neither threads nor wave, nor on which part of the film or which
 // samples the frame has. Statistics of the workers stay as they are, and no rays are recorded.
-std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvStrategy& strategy,
-                                             WorkerPool& pool, GuideCounts& counts);
+std::unique_ptr<VisibilityStrategy> LearnVisibility(const FrameView& frame,
+                                                    const EnvStrategy& strategy, WorkerPool& pool,
+                                                    GuideCounts& counts);
 
 }  // namespace skywave
