@@ -156,7 +156,8 @@ TEST_F(Info, ListsThePartsThatAMaterialHas) {
       R"({"asset": {"version": "2.0"}, "materials": [{"name": "leaf", "emissiveFactor": [1, 2, 3],
       "doubleSided": true, "alphaMode": "BLEND",
       "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}},
-      {"name": "ruby", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+      {"name": "ruby", "pbrMetallicRoughness": {"metallicFactor": 0},
+      "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
       "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 1,
       "attenuationColor": [1, 0.5, 0.5]}}}]})");
   const Result result = Run("info leaf.gltf --json i.json");

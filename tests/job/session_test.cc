@@ -112,7 +112,7 @@ TEST_F(Session, RefusesACheckpointOfAnotherPicture) {
   expect_edited("the scenes differ", [](FilmFile& f) { f.identity.scene_hash ^= 1; });
   expect_edited("the illumination maps differ", [](FilmFile& f) { f.identity.map_hash ^= 1; });
   expect_edited("finished film", [](FilmFile& f) { f.is_checkpoint = false; });
-  const std::string place = "a place that this render does not have";
+  const std::string place = "its position does not exist in this render";
   expect_edited(place, [](FilmFile& f) { f.state.rows.pop_back(); });
   expect_edited(place, [](FilmFile& f) { f.state.rows[0] += 1; });
   expect_edited(place, [](FilmFile& f) { f.state.rows[0] = 1u << 20; });

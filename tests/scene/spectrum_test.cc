@@ -175,8 +175,8 @@ TEST(Spectrum, FilesAreReadOrRefusedAtTheirLine) {
   } bad[] = {{"400 1\n300 2", "a.spd:2: the wavelength 300"},
              {"400 x", "a.spd:1: 'x'"},
              {"400 nan", "a.spd:1: 'nan'"},
-             {"400", "a.spd: is no list"},
-             {"", "a.spd: is no list"}};
+             {"400", "a.spd: is not a list"},
+             {"", "a.spd: is not a list"}};
   for (const auto& file : bad) {
     try {
       ParseSpectrumFile(file.text, "a.spd");
