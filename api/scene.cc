@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/glm.hpp>
 
@@ -113,13 +112,14 @@ skywave::Image CopyImage(const ImageArray& image, const std::string& name) {
 
 skywave::Scene& SceneState::Change() {
   shared.reset();  // the cache lets go of the scene, unless a copy of this object shares it
-  if (loaded.use_count() > 1) {
-    loaded = std::make_shared<LoadedScene>(loaded->scene);
-  } else {
-    // What other threads have read of the scene, they read before the change.
-    std::atomic_thread_fence(std::memory_order_acquire);
-  }
+  if (has_copies) loaded = std::make_shared<LoadedScene>(loaded->scene);
+  has_copies = false;
   return loaded->scene;
+}
+
+std::unique_ptr<SceneState> SceneState::Copy() {
+  has_copies = true;
+  return std::make_unique<SceneState>(*this);
 }
 
 const SharedScene& SceneState::Share() const {
@@ -156,10 +156,10 @@ Scene::Scene(const std::string& path, const Options& options)
   });
 }
 
-Scene::Scene(const Scene& other) : state_(std::make_unique<SceneState>(*other.state_)) {}
+Scene::Scene(const Scene& other) : state_(other.state_->Copy()) {}
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(const Scene& other) {
-  state_ = std::make_unique<SceneState>(*other.state_);
+  state_ = other.state_->Copy();
   return *this;
 }
 Scene& Scene::operator=(Scene&&) noexcept = default;

@@ -18,13 +18,13 @@
 namespace skywave::api {
 
 struct SceneState {
-  // What renderers have is `loaded` until it is changed; then it is theirs, and the scene has a
-  // copy.
+  // The contents, which copies of the scene share until one of them is changed.
   std::shared_ptr<LoadedScene> loaded = std::make_shared<LoadedScene>(skywave::Scene());
   // What renderers made of it for each other; null: none has been there since it changed.
   mutable std::shared_ptr<const SharedScene> shared;
-  std::string source;    // file or name of a built-in scene; empty: it began as an empty scene
-  bool changed = false;  // since it was read, so that no command repeats its pictures
+  std::string source;       // file or name of a built-in scene; empty: it began as an empty scene
+  bool has_copies = false;  // other scenes read `loaded`, and may do so on other threads
+  bool changed = false;     // since it was read, so that no command repeats its pictures
   ReadOptions read;
   double load_seconds = 0;
   // In place of what the scene has; they leave its geometry as it is.
@@ -37,6 +37,8 @@ struct SceneState {
   const skywave::Scene& scene() const { return loaded->scene; }
   // Returns the scene for a change of its contents.
   skywave::Scene& Change();
+  // Returns the state of a copy, which shares the contents until either is changed.
+  std::unique_ptr<SceneState> Copy();
   // Returns what renderers share.
   const SharedScene& Share() const;
 };

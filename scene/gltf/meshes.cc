@@ -102,7 +102,7 @@ void Morph(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
       float& number = numbers[i / 3 * stride + i % 3];
       number = float(number + weights[t] * moves[i]);
       if (!std::isfinite(number)) {
-        FailGltf(path, fmt::format("morph target {} moves vertex {} to no place", t, i / 3));
+        FailGltf(path, fmt::format("morph target {} moves vertex {} beyond all numbers", t, i / 3));
       }
     }
   }

@@ -6,7 +6,7 @@
 // materials described in gltf/materials.h. If a frame is asked for, nodes are where the animations
 // have them then (gltf/animation.h). The world is right-handed with y up. Buffers and images lie in
 // the file, in data: URIs or in files below its folder; absolute paths and paths with .. are
-// refused. Skins, morph targets, points and lines are left out.
+// refused. Morph targets have the weights of the file. Skins, points and lines are left out.
 #pragma once
 
 #include <string>

@@ -151,16 +151,16 @@ void StoreHit(const Tracer& tracer, RTCRayHit hit, std::uint32_t i, const RayCol
 // Traces a stream in pieces whose instances fit on the stack.
 void IntersectInstancedStream(const Tracer& tracer, EmbreeQuery& query, const RayStream& rays,
                               const HitColumns& hits, std::uint32_t n) {
-  for (std::uint32_t begin = 0; begin < n; begin += kPiece) {
-    std::uint32_t instances[kPiece];
-    const std::uint32_t count = std::min(kPiece, n - begin);
-    const HitColumns at = Slice(hits, begin);
-    if constexpr (kEmbreeHasStreams) {
+  if constexpr (kEmbreeHasStreams) {
+    for (std::uint32_t begin = 0; begin < n; begin += kPiece) {
+      std::uint32_t instances[kPiece];
+      const std::uint32_t count = std::min(kPiece, n - begin);
+      const HitColumns at = Slice(hits, begin);
       IntersectStream(query, From(rays, begin), at, instances, count);
-    }
-    for (std::uint32_t i = 0; i < count; ++i) {
-      PlaceHit(tracer, instances[i], at.triangle[i], at.geom[i], at.ng_x[i], at.ng_y[i],
-               at.ng_z[i]);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        PlaceHit(tracer, instances[i], at.triangle[i], at.geom[i], at.ng_x[i], at.ng_y[i],
+                 at.ng_z[i]);
+      }
     }
   }
 }
