@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/light_paths/bidirectional.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/simd/heuristic-inl.h"
+#include "kernels/light_paths/heuristic-inl.h"
 #include "kernels/simd/rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -5,7 +5,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf/bsdf-inl.h"
-#include "kernels/bsdf/facing-inl.h"
+#include "kernels/surface/facing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -8,27 +8,12 @@
 #endif
 
 #include "kernels/lights/environment.h"
+#include "kernels/packed_radiance-inl.h"
 #include "kernels/simd/math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
-
-// Returns 2^(exponent - kMaxExponent) of packed radiance, assembled in the exponent field of a
-// float.
-HWY_INLINE VF PowerOf(VU packed) {
-  static_assert(3 * kMantissaBits == 27 && kMaxExponent == 31);
-  const VU exponent = hn::And(hn::ShiftRight<4>(packed), SetU(kMaxExponent << 23));
-  return AsFloat(hn::Or(exponent, SetU((127 - kMaxExponent) << 23)));
-}
-HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
-  const VU mantissa = SetU((1u << kMantissaBits) - 1);
-  const VF scale = PowerOf(packed) * unit;
-  const V3 mantissas = {ToFloat(hn::And(packed, mantissa)),
-                        ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
-                        ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))};
-  return mantissas * scale;
-}
 
 // Words reads lines as words; WordOf is the index of a texel of the map among them.
 HWY_INLINE const std::uint32_t* Words(const TexelLine* lines) {

@@ -12,6 +12,7 @@
 
 #include "kernels/columns.h"
 #include "kernels/lights/search_tree.h"
+#include "kernels/packed_radiance.h"
 
 namespace skywave {
 
@@ -21,13 +22,6 @@ namespace skywave {
 struct RowArea {
   float start, step;
 };
-
-// The radiance of a texel takes four bytes, because lookups are random accesses and pay by the
-// cache line: three mantissas of kMantissaBits bits, r lowest, and a common exponent above them (as
-// in Radiance's RGBE). A channel is mantissa * 2^(exponent - 31) * EnvironmentView::radiance_unit.
-using PackedRadiance = std::uint32_t;
-inline constexpr std::uint32_t kMantissaBits = 9;
-inline constexpr std::uint32_t kMaxExponent = 31;
 
 // A cache line of a map holds neighbours in a row and what an inversion needs of them, so that a
 // random access to a map reads one line whatever its purpose. The line is the last item of an

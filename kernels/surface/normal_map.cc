@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE "kernels/surface/normal_map.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/facing-inl.h"
+#include "kernels/surface/facing-inl.h"
 #include "kernels/surface/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();

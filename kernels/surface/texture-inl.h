@@ -6,7 +6,8 @@
 #define SKYWAVE_KERNELS_TEXTURE_INL_H_
 #endif
 
-#include "kernels/lights/environment-inl.h"
+#include "kernels/packed_radiance-inl.h"
+#include "kernels/simd/math-inl.h"
 #include "kernels/surface/instances-inl.h"
 #include "kernels/surface/texture.h"
 

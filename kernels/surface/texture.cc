@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "kernels/surface/texture.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/packed_radiance.h"
 #include "kernels/surface/facet_turn-inl.h"
 #include "kernels/surface/texture-inl.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/names.h"
 #include "lights/light_sets/clustering.h"
-#include "lights/strategies/strategy.h"
+#include "lights/parameters.h"
 #include "lights/tables/cells.h"
 
 namespace skywave {

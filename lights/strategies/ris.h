@@ -11,7 +11,7 @@
 // form, so rays that scatter see no light (as with directional lights), and --no-mis has no effect.
 #pragma once
 
-#include "kernels/lights/resampling.h"
+#include "kernels/bsdf/resampling.h"
 #include "lights/strategies/importance.h"
 
 namespace skywave {

@@ -1,9 +1,9 @@
-#include "kernels/lights/resampling.h"
+#include "kernels/bsdf/resampling.h"
 
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernels/lights/resampling.cc"
+#define HWY_TARGET_INCLUDE "kernels/bsdf/resampling.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf/bsdf-inl.h"
