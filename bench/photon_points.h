@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "wavefront/photons/point_tree.h"
+#include "wavefront/records/point_tree.h"
 
 namespace skywave {
 

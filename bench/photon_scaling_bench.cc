@@ -21,7 +21,7 @@
 #include "bench/photon_points.h"
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/passes/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {

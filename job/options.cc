@@ -13,8 +13,8 @@
 #include "scene/reader.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
-#include "wavefront/photons/photon_map.h"
-#include "wavefront/photons/virtual_lights.h"
+#include "wavefront/records/photon_map.h"
+#include "wavefront/records/virtual_lights.h"
 
 namespace skywave {
 namespace {

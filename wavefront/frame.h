@@ -18,7 +18,7 @@
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_area.h"
 #include "wavefront/film/filter.h"
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 #include "wavefront/rays/trace.h"
 
 namespace skywave {

@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "wavefront/option_names.h"
-#include "wavefront/photons/photon_map.h"
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/passes/photon_pass.h"
+#include "wavefront/records/photon_map.h"
 
 namespace skywave {
 namespace {

@@ -9,12 +9,13 @@
 #include <numeric>
 
 #include "base/clock.h"
-#include "wavefront/guiding/control_pilot.h"
-#include "wavefront/guiding/emission_guide.h"
-#include "wavefront/guiding/strategy_pilot.h"
-#include "wavefront/guiding/visibility_pilot.h"
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 #include "wavefront/option_checks.h"
+#include "wavefront/policies/control_pilot.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/policies/strategy_pilot.h"
+#include "wavefront/policies/visibility_pilot.h"
+#include "wavefront/records/emission_guide.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {

@@ -8,9 +8,9 @@
 
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
-#include "wavefront/guiding/guide_counts.h"
-#include "wavefront/integrators/integrators.h"
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/integrator.h"
+#include "wavefront/passes/photon_pass.h"
+#include "wavefront/policies/guide_counts.h"
 #include "wavefront/rays/ray_recorder.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/stats.h"

@@ -2,7 +2,7 @@
 //
 // The tree is a heap of splits over 2^levels leaves; leaf i has points [i n / 2^levels, (i + 1) n /
 // 2^levels), at most kLeafPoints. Points lie in the order of leaves in three columns, so a leaf is
-// one or two vectors. The wavefront's PointTree (wavefront/photons/point_tree.h) builds it.
+// one or two vectors. The wavefront's PointTree (wavefront/records/point_tree.h) builds it.
 //
 // Searches are exact: bounds of a cell are computed as distances are, and rounding is monotonic, so
 // no cell that holds a point in reach is passed over. The points found and their order are a

@@ -1,6 +1,6 @@
 // auto: the strategy for which variance times cost is least in a pilot of the frame
-// (wavefront/guiding/strategy_pilot.h). It chooses among `importance`, `product`, `visibility` and,
-// where there are portals, `portal`.
+// (wavefront/policies/strategy_pilot.h). It chooses among `importance`, `product`, `visibility`
+// and, where there are portals, `portal`.
 //
 // Parameters
 //   compensate=1/n  that of `importance`, which `visibility` has too

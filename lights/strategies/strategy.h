@@ -101,7 +101,7 @@ class EnvStrategy {
   virtual bool unbiased() const { return true; }
 
   // Returns the strategies of which a pilot chooses one before a render
-  // (wavefront/guiding/strategy_pilot.h), the one to keep in doubt first; none: this one is used.
+  // (wavefront/policies/strategy_pilot.h), the one to keep in doubt first; none: this one is used.
   virtual std::span<const StrategyCandidate> candidates() const { return {}; }
 };
 

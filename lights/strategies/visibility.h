@@ -1,5 +1,5 @@
 // visibility: cells of the map drawn by how much of their light arrives at the place of a surface.
-// A pilot of camera paths learns that before a render (wavefront/guiding/visibility_pilot.h), as
+// A pilot of camera paths learns that before a render (wavefront/policies/visibility_pilot.h), as
 // adaptive environment sampling does (Atanasov et al. 2018). So light samples of a room go to its
 // windows, whatever else is bright outside.
 //

@@ -11,7 +11,7 @@
 #include "lights/maps/projections.h"
 #include "lights/probe/export_lights.h"
 #include "scene/local_lights.h"
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 #include "wavefront/option_names.h"
 #include "wavefront/rays/trace.h"
 

@@ -100,7 +100,7 @@ StrategyFactory TwinFactory() {
     # An integrator.
     add.file("wavefront/integrators/twin.cc",
              twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator")))
-    add.line("wavefront/integrators/integrators.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
+    add.line("wavefront/integrator.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
              ' INTEGRATOR(Twin, "twin")')
     # A layer.
     add.line("wavefront/film/aovs.cc", "constexpr Aov kAovs[] = {\n",

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "job/job.h"
 #include "tests/support/temporary_folder.h"
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 
 namespace skywave {
 namespace {

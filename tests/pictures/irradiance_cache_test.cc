@@ -15,8 +15,8 @@
 #include "tests/support/rendered_image.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
-#include "wavefront/irradiance/irradiance_cache.h"
-#include "wavefront/irradiance/irradiance_pass.h"
+#include "wavefront/passes/irradiance_pass.h"
+#include "wavefront/records/irradiance_cache.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -19,7 +19,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
-#include "wavefront/photons/merging_pass.h"
+#include "wavefront/passes/merging_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -1,7 +1,7 @@
 // Makes the guide of a frame's light paths for tests that render its waves themselves.
 #pragma once
 
-#include "wavefront/guiding/emission_guide.h"
+#include "wavefront/policies/emission_pilot.h"
 
 namespace skywave {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/passes/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -1,5 +1,5 @@
 // Tests the weights that a pilot gives to the control variate, in whole frames.
-#include "wavefront/guiding/control_pilot.h"
+#include "wavefront/policies/control_pilot.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,8 @@
 #include "tests/support/random_rows.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
-#include "wavefront/guiding/emission_guide.h"
+#include "wavefront/records/emission_guide.h"
+#include "wavefront/scratch.h"
 
 namespace skywave {
 namespace {

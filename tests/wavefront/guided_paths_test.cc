@@ -12,7 +12,7 @@
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
-#include "wavefront/guiding/emission_pilot.h"
+#include "wavefront/policies/emission_pilot.h"
 #include "wavefront/render.h"
 #include "wavefront/stages/light_stages.h"
 

@@ -1,5 +1,5 @@
 // What integrators say of themselves goes together, and their workers have the tables.
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests which light paths are kept: the first ones that suffice, and no more than memory allows.
-#include "wavefront/photons/photon_collector.h"
+#include "wavefront/passes/photon_collector.h"
 
 #include <gtest/gtest.h>
 

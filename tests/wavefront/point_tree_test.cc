@@ -1,6 +1,6 @@
 // Compares searches in the tree with a search over all points and with nanoflann.
 
-#include "wavefront/photons/point_tree.h"
+#include "wavefront/records/point_tree.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

@@ -1,5 +1,5 @@
 // Tests the pilot that chooses for the strategy `auto`, in whole frames.
-#include "wavefront/guiding/strategy_pilot.h"
+#include "wavefront/policies/strategy_pilot.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
-#include "wavefront/guiding/visibility_pilot.h"
+#include "wavefront/policies/visibility_pilot.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "wavefront/film/resolve_rows.h"
-#include "wavefront/frame.h"
 
 namespace skywave {
 namespace {

@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "scene/local_lights.h"
-#include "wavefront/frame.h"
 
 namespace skywave {
 namespace {
@@ -43,30 +42,6 @@ LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
     groups.of_light.push_back(std::uint32_t(found - groups.names.begin()));
   }
   return groups;
-}
-
-void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t n,
-                  std::uint32_t* group) {
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t light = hits.geom[i] == kNoHit || !frame.has_emitters()
-                                    ? kNoLight
-                                    : frame.local_lights.light_of_triangle[hits.triangle[i]];
-    group[i] = light == kNoLight ? kEnvironmentGroup : frame.light_groups->of_light[light];
-  }
-}
-
-void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                          const float* u, std::uint32_t n, std::uint32_t* group) {
-  std::fill_n(group, n, kEnvironmentGroup);
-  if (index < shares.plan.fixed || !(shares.local.share > 0)) return;
-  const std::uint32_t* const first = shares.local.first;
-  const std::uint32_t* const end = first + frame.local_lights.count + 1;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
-    if (target >= end[-1]) continue;
-    const auto light = std::upper_bound(first, end, target) - first - 1;
-    group[i] = frame.light_groups->of_light[std::size_t(light)];
-  }
 }
 
 }  // namespace skywave

@@ -44,15 +44,4 @@ struct GroupColumns {
   }
 };
 
-struct FrameView;
-struct LightShares;
-
-// Writes the group of the light that rays [0, n) have hit, or the environment's if they hit none.
-void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t n,
-                  std::uint32_t* group);
-// Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u` are the
-// uniforms that have picked it.
-void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                          const float* u, std::uint32_t n, std::uint32_t* group);
-
 }  // namespace skywave

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "kernels/partition.h"
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"

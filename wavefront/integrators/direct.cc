@@ -3,7 +3,7 @@
 // max_depth surfaces.
 #include <utility>
 
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {

@@ -1,6 +1,6 @@
 // Irradiance caching (Ward, Rubinstein and Clear 1988; Ward and Heckbert 1992). Diffuse surfaces
 // take direct light as `direct` does and interpolate all other light between records of a first
-// pass (irradiance/irradiance_pass.cc); there paths end. Other surfaces scatter as those of `path`
+// pass (passes/irradiance_pass.cc); there paths end. Other surfaces scatter as those of `path`
 // do, and so do diffuse ones where no record counts. Irradiance between records is what these
 // suggest, so small things are blurred and the noise of the records is seen as blotches. Paths of
 // records begin at their surfaces: with a mirror in between they are a surface longer than
@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "base/clock.h"
-#include "wavefront/integrators/integrators.h"
-#include "wavefront/irradiance/irradiance_pass.h"
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/integrator.h"
+#include "wavefront/passes/irradiance_pass.h"
+#include "wavefront/passes/photon_pass.h"
 #include "wavefront/stages/irradiance_stages.h"
 #include "wavefront/stages/path_stages.h"
 

@@ -4,7 +4,7 @@
 // than max_depth surfaces, and roulette begins at the third one.
 #include <utility>
 
-#include "wavefront/integrators/integrators.h"
+#include "wavefront/integrator.h"
 
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"

@@ -1,4 +1,4 @@
-// Photon mapping (Jensen 1996, T 4.3). A first pass stores photons (photons/photon_pass.cc). The
+// Photon mapping (Jensen 1996, T 4.3). A first pass stores photons (passes/photon_pass.cc). The
 // second one takes direct light as `direct` does. At the surfaces that take light samples, caustics
 // come from the caustic map and other light from the indirect map, which is looked up there or
 // where the rays of a final gather hit the next surfaces, or later ones behind short rays. BSDFs
@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "wavefront/integrators/integrators.h"
-#include "wavefront/photons/footprint.h"
-#include "wavefront/photons/photon_pass.h"
+#include "wavefront/integrator.h"
+#include "wavefront/passes/footprint.h"
+#include "wavefront/passes/photon_pass.h"
+#include "wavefront/paths/final_gather.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
 

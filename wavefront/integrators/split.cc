@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "wavefront/integrators/path.h"
+#include "wavefront/paths/camera_paths.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {

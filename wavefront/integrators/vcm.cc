@@ -1,13 +1,13 @@
 // Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012). It adds one
 // technique to bidirectional path tracing: every surface of the eye is merged with the light
-// vertices of a first pass (photons/merging_pass.cc) that are near it. The stage order is that of
+// vertices of a first pass (passes/merging_pass.cc) that are near it. The stage order is that of
 // bdpt.cc.
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "wavefront/integrator.h"
 #include "wavefront/integrators/bdpt.h"
-#include "wavefront/integrators/integrators.h"
-#include "wavefront/photons/merging_pass.h"
+#include "wavefront/passes/merging_pass.h"
 
 namespace skywave {
 namespace {

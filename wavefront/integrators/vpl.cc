@@ -1,14 +1,16 @@
 // Instant radiosity (Keller 1997). Every sample of the picture has a set of light paths, whose
-// vertices shine as virtual point lights (photons/virtual_lights.cc) on the first surface of each
-// camera path that is neither mirror nor glass. That surface also takes direct light as `direct`
-// does, and there are no more than max_depth surfaces on both sides of a connection together. Sets
-// are new for each sample, so their noise averages out; the light lost by the bound on near lights
-// is not recovered. Light that mirrors and glass cast on visible surfaces is missing.
+// vertices shine as virtual point lights (passes/virtual_light_pass.cc) on the first surface of
+// each camera path that is neither mirror nor glass. That surface also takes direct light as
+// `direct` does, and there are no more than max_depth surfaces on both sides of a connection
+// together. Sets are new for each sample, so their noise averages out; the light lost by the bound
+// on near lights is not recovered. Light that mirrors and glass cast on visible surfaces is
+// missing.
 #include <utility>
 
 #include "base/clock.h"
-#include "wavefront/integrators/integrators.h"
-#include "wavefront/photons/virtual_lights.h"
+#include "wavefront/integrator.h"
+#include "wavefront/passes/photon_pass.h"
+#include "wavefront/passes/virtual_light_pass.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/virtual_light_stages.h"
 

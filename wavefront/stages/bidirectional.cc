@@ -7,8 +7,8 @@
 #include "kernels/light_paths/arrival.h"
 #include "kernels/light_paths/flux.h"
 #include "kernels/sampler.h"
-#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/stages/checks.h"
+#include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <type_traits>
 
-#include "wavefront/irradiance/irradiance_cache.h"
+#include "wavefront/records/irradiance_cache.h"
 
 namespace skywave {
 namespace {

@@ -6,7 +6,6 @@
 #include "kernels/light_paths/flux.h"
 #include "kernels/lights/directional.h"
 #include "kernels/sampler.h"
-#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 

@@ -2,15 +2,19 @@
 // worker. Each counts and times what it does.
 #pragma once
 
-#include <utility>
-
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/records/emission_guide.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
+
+// Returns the guide of a frame, or an empty one if it has none.
+inline EmissionGuideView GuideOf(const FrameView& frame) {
+  return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
+}
 
 // Starts light paths [first, first + n) of the frame in rows [0, n) of `paths`. All of them are
 // points of one sequence, so that the whole set is stratified. Radiance and pixel mean nothing.
@@ -26,26 +30,6 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
 // Traces rays [0, n) that arrive at bounce 1 or a later one and makes surfaces of the hits.
 void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                                 std::uint32_t bounce, Worker& w, StageClock& clock);
-
-// Follows light paths [first, first + count) of the frame over at most `depth` surfaces and calls
-// store(bounce) for the current surfaces of each bounce from 1 on. Those of BSDFs [first_kind,
-// kBsdfKinds) scatter.
-template <class Store>
-void FollowLightPaths(const FrameView& frame, std::uint64_t first, std::uint32_t count,
-                      std::uint32_t first_kind, std::uint32_t depth, Worker& w, StageClock& clock,
-                      const Store& store) {
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  StartLightPaths(frame.options, first, count, w.paths);
-  EmitRays(frame, count, *rays, w, clock);
-  std::uint32_t n = count;
-  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
-    store(bounce);
-    if (bounce == depth) break;
-    n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
-    std::swap(rays, next);
-  }
-}
 
 // Returns the frame of light paths that passes store. The strategy of camera paths may need many
 // light samples or surfaces to draw them for, so these start with frame.emitter.

@@ -70,6 +70,33 @@ void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w)
 
 namespace {
 
+// Writes the group of the light that rays [0, n) have hit, or the environment's if they hit none.
+void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t n,
+                  std::uint32_t* group) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t light = hits.geom[i] == kNoHit || !frame.has_emitters()
+                                    ? kNoLight
+                                    : frame.local_lights.light_of_triangle[hits.triangle[i]];
+    group[i] = light == kNoLight ? kEnvironmentGroup : frame.light_groups->of_light[light];
+  }
+}
+
+// Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u` are the
+// uniforms that have picked it.
+void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
+                          const float* u, std::uint32_t n, std::uint32_t* group) {
+  std::fill_n(group, n, kEnvironmentGroup);
+  if (index < shares.plan.fixed || !(shares.local.share > 0)) return;
+  const std::uint32_t* const first = shares.local.first;
+  const std::uint32_t* const end = first + frame.local_lights.count + 1;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
+    if (target >= end[-1]) continue;
+    const auto light = std::upper_bound(first, end, target) - first - 1;
+    group[i] = frame.light_groups->of_light[std::size_t(light)];
+  }
+}
+
 // Gives what paths have gained in a stage to the groups of their lights, if they are wanted. The
 // current rays or surfaces are of paths rows[0, n); `write` writes their groups.
 template <class Write>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "wavefront/frame.h"
-#include "wavefront/photons/photon_map.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -43,13 +43,5 @@ void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, P
 // of the part of their disk that is surface; rays measure it where the photons leave it in doubt.
 void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, Worker& w,
                 StageClock& clock);
-
-// Gathers (final gather, Jensen 1996): traces rays from every current surface that has a density,
-// over mirrors and glass to the next that has one, and adds what those reflect of photons. A lookup
-// blurs light by its disk, which is seen at a large angle from close by. So surfaces that a ray
-// finds nearer than that (PhotonMap::near) are lit as the first one is, by light samples and
-// caustics, and gather by a ray themselves (Jensen 2001). Rays of a surface are stratified. The
-// current surfaces are those of `bounce`.
-void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 }  // namespace skywave

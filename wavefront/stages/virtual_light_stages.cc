@@ -5,7 +5,7 @@
 #include "kernels/accumulate.h"
 #include "kernels/light_paths/bidirectional.h"
 #include "kernels/light_paths/flux.h"
-#include "wavefront/photons/virtual_lights.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/path_stages.h"
 
