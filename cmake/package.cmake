@@ -49,7 +49,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libskywave${soversion} (= ${PROJECT_VERSION})")
 
-if(TARGET skywave_python)
+if(TARGET skywave_python AND NOT SKBUILD)
   skywave_package(python python3-skywave python "wavefront renderer - Python package"
 "Renders scenes of files or NumPy arrays, lit by illumination maps, to NumPy
 arrays.")

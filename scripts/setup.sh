@@ -3,6 +3,7 @@
 # they are installed.
 #   scripts/setup.sh         the program
 #   scripts/setup.sh python  also the Python package
+#   scripts/setup.sh wheel   also wheels and the folder that run elsewhere
 #   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run
 set -euo pipefail
 packages=(
@@ -12,6 +13,7 @@ packages=(
   nlohmann-json3-dev libtomlplusplus-dev libstb-dev
 )
 python=(python3-dev python3-numpy pybind11-dev)
+wheel=(python3-dev python3-venv file xz-utils)
 test=(libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind groff-base pkg-config
       make munge slurm-client slurmctld slurmd "${python[@]}")
 clang14=(clang-format-14 clang-tidy-14)  # others format and warn differently; Debian 13 has none
@@ -28,6 +30,7 @@ case $system in
     ;;
 esac
 [[ ${1:-} != python ]] || packages+=("${python[@]}")
+[[ ${1:-} != wheel ]] || packages+=("${wheel[@]}")
 [[ ${1:-} != test ]] || packages+=("${test[@]}")
 missing=()
 for package in "${packages[@]}"; do
