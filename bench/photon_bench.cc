@@ -9,6 +9,7 @@
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
 #include "wavefront/passes/photon_pass.h"
+#include "wavefront/records/photon_map.h"
 
 namespace skywave {
 namespace {
@@ -96,7 +97,7 @@ void TracePass(benchmark::State& state, const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
   request.options.threads = int(state.range(0));
-  request.options.photons.indirect = 400000;
+  request.options.of<PhotonOptions>().indirect = 400000;
   const RenderJob job(BuiltinScene(scene), request);
   const FrameView frame = job.frame();
   const PhotonPass pass = PhotonPasses(frame.options).front();

@@ -22,6 +22,7 @@
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
 #include "wavefront/passes/photon_pass.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -39,7 +40,7 @@ struct Work {
 Work TracePass(const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
-  request.options.photons.indirect = 400000;
+  request.options.of<PhotonOptions>().indirect = 400000;
   const auto job = std::make_shared<RenderJob>(BuiltinScene(scene), request);
   return {fmt::format("pass, {} [photons]", scene), [job](int threads) {
             FrameView frame = job->frame();
@@ -84,7 +85,7 @@ Work RenderPass(const char* scene, std::uint32_t gather) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
   request.width = 320, request.height = 240, request.samples_per_pixel = 4;
-  request.options.photons.gather = gather;
+  request.options.of<PhotonOptions>().gather = gather;
   const auto job = std::make_shared<RenderJob>(BuiltinScene(scene), request);
   return {fmt::format("picture, {}, gather {} [samples]", scene, gather), [job](int threads) {
             FrameView frame = job->frame();

@@ -175,10 +175,8 @@ void AddUnoccludedKernel(benchmark::State& state) {
 void ScatterStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  const DirectionUniforms direction(w.scratch);
-  const LobeUniforms lobe(w.scratch);
   Run(state, f.ranges.total(), [&] {
-    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, direction, lobe, w.rays[1]);
+    Scatter(f.frame, PointsIn(f.ranges, f.frame, w), {kCameraEnd, 0}, w.scratch, w.rays[1]);
   });
 }
 void FilmStage(benchmark::State& state) {

@@ -47,8 +47,8 @@ struct WaveFixture {
   // Advances by one bounce: rays[0] are then scattered and traced rays. The surfaces are still
   // those that the rays have left; `ranges` describes those that they will hit.
   void Bounce() {
-    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
-                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
+    n = Scatter(frame, PointsIn(ranges, frame, worker), {kCameraEnd, 0}, worker.scratch,
+                worker.rays[0]);
     Trace(1);
   }
 

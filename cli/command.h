@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "job/option.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

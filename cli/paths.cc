@@ -20,6 +20,7 @@
 #include "job/map_sequence.h"
 #include "job/options.h"
 #include "wavefront/render.h"
+#include "wavefront/stages/bidirectional.h"
 
 namespace skywave {
 namespace {
@@ -53,7 +54,7 @@ struct TechniquePicture {
 Image RenderTechnique(const RenderJob& job, const std::optional<SubpathLengths>& lengths,
                       bool weighted, Progress& done) {
   FrameView frame = job.frame();
-  frame.options.subpath_lengths = lengths;
+  frame.options.of<ConnectionOptions>().shown = lengths;
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
   RenderFrame(frame, film, {.progress = &done});
@@ -109,7 +110,7 @@ int PathsMain(PathsFlags& flags) {
   CheckAllWritable(outputs);
   const JobRequest& request = flags.request;
   if (request.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
-      request.options.subpath_lengths || !request.options.mis) {
+      request.options.of<ConnectionOptions>().shown || !request.options.mis) {
     throw InputError(InputPosition::File("--integrator, --paths, --no-mis"),
                      "skywave paths shows every way of bdpt, weighted and unweighted; skywave "
                      "render takes these flags",

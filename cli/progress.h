@@ -10,8 +10,8 @@
 
 #include "base/clock.h"
 #include "bench/measure/progress_text.h"
-#include "job/option.h"
 #include "job/watch.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "image/image.h"
-#include "job/option.h"
 #include "job/request.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

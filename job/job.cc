@@ -17,6 +17,7 @@
 #include "job/options.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
+#include "wavefront/policies/emission_pilot.h"
 
 namespace skywave {
 namespace {
@@ -59,14 +60,14 @@ void CheckStrategy(const EnvStrategy& strategy, const std::string& specification
     throw OptionError("strategy", specification,
                       "leaves light to BSDF sampling, so it cannot go with `no-mis`");
   }
-  if (options.control != ControlVariate::kNone &&
+  if (options.of<ControlOptions>().control != ControlVariate::kNone &&
       (!strategy.unbiased() || !strategy.shines_on_bsdf_samples() ||
        strategy.Plan(1).total() == 0)) {
     throw OptionError("strategy", specification,
                       fmt::format("has no samples whose density is known wherever the map shines, "
                                   "which `control {}` needs: use importance, product, presampled, "
                                   "alias or warp",
-                                  ToString(options.control)));
+                                  ToString(options.of<ControlOptions>().control)));
   }
   if (Describe(options.integrator).light_paths == LightPaths::kStrategy && environment &&
       !CanEmit(strategy)) {
@@ -189,12 +190,13 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
   if (!request_.continuation_strategy.empty()) {
     continuation_strategy_ = make(request_.continuation_strategy, 1);
   }
-  if (options().control != ControlVariate::kNone && has_environment()) {
+  if (options().of<ControlOptions>().control != ControlVariate::kNone && has_environment()) {
     irradiance_ = parts.Irradiance(request_, light, *map_);
+    control_ = {.irradiance = irradiance_->table.view()};
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
   if (NeedsEmitter(options().integrator, strategy())) emitter_ = make(kEmitter, 1);
-  if (options().guide && integrator.has_light_paths() && !has_environment()) {
+  if (options().of<GuideOptions>().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.emplace_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
@@ -233,30 +235,32 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
   }
   if (emitter == nullptr) emitter = &strategy;
   assert(!Describe(integrator).has_light_paths() || !has_environment() || CanEmit(*emitter));
-  return {.options = changed,
-          .geometry = &geometry(),
-          .strategy = &strategy,
-          .continuation_strategy =
-              continuation_strategy_ ? continuation_strategy_->strategy.get() : nullptr,
-          .local_lights = local_lights().view(),
-          .camera = camera_,
-          .tracer = {.scene = geometry().scene(),
-                     .closest = options().backend,
-                     .occlusion = options().backend,
-                     .recorder = nullptr,
-                     .first_with_alpha = geometry().has_alpha()
-                                             ? std::optional(geometry().first_with_alpha())
-                                             : std::nullopt,
-                     .places = geometry().places(),
-                     .instances = geometry().instances()},
-          .sphere = sphere_,
-          .filter = {.density = filter_densities_.data(),
-                     .radius = options().filter_radius,
-                     .factor = filter_factors_.empty() ? nullptr : filter_factors_.data()},
-          .emitter = emitter,
-          .map = &map_->map,
-          .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_,
-          .irradiance = irradiance_ ? irradiance_->table.view() : IrradianceView{}};
+  FrameView frame = {
+      .options = changed,
+      .geometry = &geometry(),
+      .strategy = &strategy,
+      .continuation_strategy =
+          continuation_strategy_ ? continuation_strategy_->strategy.get() : nullptr,
+      .local_lights = local_lights().view(),
+      .camera = camera_,
+      .tracer = {.scene = geometry().scene(),
+                 .closest = options().backend,
+                 .occlusion = options().backend,
+                 .recorder = nullptr,
+                 .first_with_alpha = geometry().has_alpha()
+                                         ? std::optional(geometry().first_with_alpha())
+                                         : std::nullopt,
+                 .places = geometry().places(),
+                 .instances = geometry().instances()},
+      .sphere = sphere_,
+      .filter = {.density = filter_densities_.data(),
+                 .radius = options().filter_radius,
+                 .factor = filter_factors_.empty() ? nullptr : filter_factors_.data()},
+      .emitter = emitter,
+      .map = &map_->map,
+      .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
+  if (irradiance_) frame.Show(&control_);
+  return frame;
 }
 
 bool RenderJob::has_environment() const {
@@ -293,7 +297,8 @@ FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
           .world_extent = world_extent_,
           .shared = Describe(integrator).has_splats,
           .light_groups = light_groups_.names,
-          .has_signs = options().control != ControlVariate::kNone || HasSigns(options().filter)};
+          .has_signs = options().of<ControlOptions>().control != ControlVariate::kNone ||
+                       HasSigns(options().filter)};
 }
 
 Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {

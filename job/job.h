@@ -15,6 +15,7 @@
 #include "wavefront/film/film.h"
 #include "wavefront/film/light_groups.h"
 #include "wavefront/frame.h"
+#include "wavefront/policies/control_pilot.h"
 
 namespace skywave {
 
@@ -87,6 +88,7 @@ class RenderJob {
   LightGroups light_groups_;  // where they are asked for
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
+  ControlView control_;                              // that frames show, if there is irradiance_
   std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_, filter_factors_;
   Camera scene_camera_;

@@ -82,8 +82,7 @@ SampleRange ChooseSamples(const RenderLimits& limits, std::uint32_t samples_per_
 
 AovSet LayersForLimits(const RenderLimits& limits, Integrator integrator) {
   const IntegratorDescriptor& descriptor = Describe(integrator);
-  if (limits.adaptive > 0 &&
-      (descriptor.has_splats || descriptor.stores != StoredLight::kNothing)) {
+  if (limits.adaptive > 0 && (descriptor.has_splats || descriptor.for_each_pass != nullptr)) {
     throw OptionError("adaptive", fmt::format("{}", limits.adaptive),
                       fmt::format("pixels of `integrator {}` share the light that was stored or "
                                   "splatted, so their samples do not show their error; use "

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "job/option.h"
 #include "wavefront/film/film.h"
+#include "wavefront/option.h"
 #include "wavefront/render.h"
 
 namespace skywave {

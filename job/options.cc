@@ -13,8 +13,7 @@
 #include "scene/reader.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
-#include "wavefront/records/photon_map.h"
-#include "wavefront/records/virtual_lights.h"
+#include "wavefront/render_option.h"
 
 namespace skywave {
 namespace {
@@ -22,11 +21,8 @@ namespace {
 constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
                       kSpeed = OptionScope::kSpeed;
 constexpr std::string_view kLight = "Light", kCamera = "Camera", kMaterials = "Materials",
-                           kFilm = "Film", kPaths = "Paths",
-                           kPhotons = "Photon mapping and vertex merging (photon, vcm)",
-                           kRadiosity =
-                               "Virtual lights and irradiance cache (vpl, irradiance-cache)",
-                           kReading = "Reading", kSpeedGroup = "Speed";
+                           kFilm = "Film", kPaths = "Paths", kReading = "Reading",
+                           kSpeedGroup = "Speed";
 
 // `count` numbers with the character `separators[i]` after number i; 0: the text ends.
 template <class Number>
@@ -53,17 +49,6 @@ Codec<glm::vec3> Points() {
             return glm::vec3(p[0], p[1], p[2]);
           },
           .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
-}
-
-Codec<SubpathLengths> Lengths() {
-  return {.values = "S,T, for example 1,2",
-          .metavar = "S,T",
-          .parse = [](const std::string& text) -> std::optional<SubpathLengths> {
-            std::uint32_t v[2];
-            if (!ParseTuple(text, ",", 2, v)) return std::nullopt;
-            return SubpathLengths{.light = v[0], .eye = v[1]};
-          },
-          .print = [](const SubpathLengths& l) { return fmt::format("{},{}", l.light, l.eye); }};
 }
 
 Codec<char> Axes() {
@@ -146,23 +131,25 @@ JobOption Resolved(OptionOf<JobRequest> option,
   return {std::move(option), resolve};
 }
 
-// Integrators that take an option.
-bool SelectsPaths(Integrator integrator) { return Describe(integrator).selects_paths; }
-bool Splits(Integrator integrator) { return Describe(integrator).splits; }
-bool Controls(Integrator integrator) { return Describe(integrator).controls; }
-bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
-bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
-bool HasVirtualLights(Integrator integrator) {
-  return Describe(integrator).stores == StoredLight::kLights;
+// An option of an integrator or of a policy.
+JobOption OfJob(const RenderOption& own) {
+  JobOption option = {{static_cast<const OptionInfo&>(own), {}, {}}, {}};
+  option.set = [set = own.set](JobRequest& request, const std::vector<std::string>& texts) {
+    return set(request.options, texts);
+  };
+  option.get = [get = own.get](const JobRequest& request) { return get(request.options); };
+  if (own.resolve != nullptr) {
+    option.resolve = [resolve = own.resolve](JobRequest& request, const SceneDefaults& scene) {
+      resolve(request.options, scene.settings);
+    };
+  }
+  return option;
 }
-bool HasIrradianceCache(Integrator integrator) {
-  return Describe(integrator).stores == StoredLight::kIrradiance;
-}
-bool LooksPhotonsUp(Integrator integrator) {
-  return Describe(integrator).stores == StoredLight::kPhotons;
-}
+
+bool Splits(Integrator integrator) { return Takes(integrator, "split"); }
 bool TakesLightSamples(Integrator integrator) {
-  return Describe(integrator).light_samples == LightSamples::kRequested || Splits(integrator);
+  const IntegratorDescriptor& descriptor = Describe(integrator);
+  return descriptor.light_samples == LightSamples::kRequested || Splits(integrator);
 }
 
 std::string_view SceneHelp() {
@@ -173,7 +160,7 @@ std::string_view SceneHelp() {
 #define FIELD SKYWAVE_FIELD
 
 // One line an option. Help texts are half sentences; defaults are added to them.
-std::vector<JobOption> MakeJobOptions() {
+std::vector<JobOption> CommonRows() {
   // clang-format off
   return {
     Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
@@ -206,8 +193,6 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(environment.up_axis), Axes()),
     Plain({.name = "mis", .group = kLight, .help = "combine light and BSDF samples by multiple importance sampling; without: light samples alone", .scope = kPixels, .example = "--no-mis"},
           FIELD(options.mis), Switches()),
-    Plain({.name = "control", .group = kLight, .help = "control variate: sample only what is hidden of the map's known irradiance on diffuse surfaces", .scope = kPixels, .example = "--control irradiance", .applies = Controls},
-          FIELD(options.control), NamesOfEnum<ControlVariate>()),
     Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 
@@ -248,41 +233,16 @@ std::vector<JobOption> MakeJobOptions() {
 
     FromScene({.name = "max-depth", .group = kPaths, .help = "largest number of surfaces at which a path scatters", .scope = kPixels, .example = "--max-depth 2"},
           FIELD(max_depth), Numbers(0u, kMaxDepth)),
-    Plain({.name = "split", .group = kPaths, .help = "continuations of a path after its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = Splits},
-          FIELD(options.split), Unless(0u, Numbers(1u, 1u << 16))),
     Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples after the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
           FIELD(continuation_strategy), Texts("a strategy")),
-    Plain({.name = "guide", .group = kPaths, .help = "light paths from the map start where a pilot of camera paths needed them", .scope = kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
-          FIELD(options.guide), Switches()),
-    Plain({.name = "paths", .group = kPaths, .help = "only paths of S vertices from the light and T from the eye; with --no-mis their weight is 1", .scope = kPixels, .example = "--integrator bdpt --paths 2,1 --no-mis", .default_text = "all", .applies = SelectsPaths},
-          FIELD(options.subpath_lengths), Lengths()),
+  };
+  // clang-format on
+}
 
-    Plain({.name = "photons", .group = kPhotons, .help = "photons to store for indirect light; vcm: light vertices that a pass keeps at most", .scope = kPixels, .example = "--integrator photon --photons 300", .applies = HasPhotons},
-          FIELD(options.photons.indirect), Numbers(0u, kMostPhotons)),
-    Plain({.name = "caustic-photons", .group = kPhotons, .help = "photons to store for light from mirrors and glass", .scope = kPixels, .example = "--integrator photon --caustic-photons 100", .applies = LooksPhotonsUp},
-          FIELD(options.photons.caustic), Numbers(0u, kMostPhotons)),
-    Plain({.name = "gather", .group = kPhotons, .help = "rays of a final gather per hit; 0: photons are seen directly", .scope = kPixels, .example = "--integrator photon --gather 2", .applies = LooksPhotonsUp},
-          FIELD(options.photons.gather), Numbers(0u, 4096u)),
-    Plain({.name = "photon-neighbors", .group = kPhotons, .help = "largest number of photons of a lookup", .scope = kPixels, .example = "--integrator photon --photon-neighbors 7", .applies = HasPhotons},
-          FIELD(options.photons.neighbors), Numbers(2u, 1u << 16)),
-    Resolved(MakeOption<JobRequest>({.name = "progressive", .group = kPhotons, .help = "passes over --spp, each with photons of its own and a smaller radius", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3", .default_text = "photon 1, vcm one per sample", .applies = HasPhotons},
-          FIELD(options.photons.passes), Unless(0u, Numbers(1u, 1u << 20))), ResolvePasses),
-    Resolved(MakeOption<JobRequest>({.name = "photon-distance", .group = kPhotons, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons and pixels", .scope = kPixels, .example = "--integrator photon --photon-distance 0.5", .applies = HasPhotons},
-          FIELD(options.photons.distance), Floats(0, 1e12)), ResolvePhotonDistance),
-    Plain({.name = "photon-kernel", .group = kPhotons, .help = "weights of the photons of a lookup", .scope = kPixels, .example = "--integrator photon --photon-kernel cone", .applies = HasPhotons},
-          FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),
-    Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
-          FIELD(options.photons.alpha), Floats(0.01, 1)),
-
-    Plain({.name = "vpls", .group = kRadiosity, .help = "virtual point lights of each sample, on average", .scope = kPixels, .example = "--integrator vpl --vpls 9", .applies = HasVirtualLights},
-          FIELD(options.virtual_lights.count), Numbers(1u, kMostVirtualLights)),
-    Plain({.name = "vpl-distance", .group = kRadiosity, .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights", .applies = HasVirtualLights},
-          FIELD(options.virtual_lights.distance), Unless(-1.0f, Floats(0, 1e12))),
-    Plain({.name = "cache-accuracy", .group = kRadiosity, .help = "largest error at which a record of the irradiance cache counts; smaller: more records", .scope = kPixels, .example = "--integrator irradiance-cache --cache-accuracy 0.4", .applies = HasIrradianceCache},
-          FIELD(options.irradiance_cache.accuracy), Floats(0.01, 1)),
-    Plain({.name = "cache-rays", .group = kRadiosity, .help = "rays of the hemisphere of a record", .scope = kPixels, .example = "--integrator irradiance-cache --cache-rays 50", .applies = HasIrradianceCache},
-          FIELD(options.irradiance_cache.rays), Numbers(4u, 1u << 16)),
-
+// How scenes are read, and how fast pictures are rendered.
+std::vector<JobOption> ReadingRows() {
+  // clang-format off
+  return {
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
     Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by copies of instances or by subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
@@ -310,6 +270,23 @@ std::vector<JobOption> MakeJobOptions() {
 }
 
 #undef FIELD
+
+// All rows, those of a group together: groups come in the order in which they are first seen.
+std::vector<JobOption> MakeJobOptions() {
+  std::vector<JobOption> options = CommonRows();
+  for (const RenderOption& own : RenderOptionTable()) options.push_back(OfJob(own));
+  for (JobOption& option : ReadingRows()) options.push_back(std::move(option));
+  std::vector<std::string_view> groups;
+  const auto rank = [&](const JobOption& option) {
+    return std::find(groups.begin(), groups.end(), option.group) - groups.begin();
+  };
+  for (const JobOption& option : options) {
+    if (rank(option) == std::ssize(groups)) groups.push_back(option.group);
+  }
+  std::stable_sort(options.begin(), options.end(),
+                   [&](const JobOption& a, const JobOption& b) { return rank(a) < rank(b); });
+  return options;
+}
 
 }  // namespace
 

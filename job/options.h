@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "job/option.h"
 #include "job/request.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

@@ -8,8 +8,8 @@
 #include "image/image.h"
 #include "job/exposure.h"
 #include "job/limits.h"
-#include "job/option.h"
 #include "job/request.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

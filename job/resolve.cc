@@ -11,6 +11,7 @@
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
+#include "wavefront/policies/emission_pilot.h"
 
 namespace skywave {
 namespace {
@@ -29,17 +30,10 @@ CropWindow PixelsOf(const CropFractions& crop, int width, int height) {
   return {x, y, pixel(crop.right, width) - x, pixel(crop.bottom, height) - y};
 }
 
-// Whether the scene file wants photons of their own for each sample, as pbrt's sppm does.
-bool WantsPassPerSample(const JobRequest& request, const SceneDefaults& scene) {
-  const IntegratorDescriptor& integrator = Describe(request.options.integrator);
-  return scene.settings.photons_each_sample && integrator.has_photons() &&
-         !integrator.pass_each_sample;
-}
-
 }  // namespace
 
 std::uint32_t MostPointsOfASample(const RenderOptions& options) {
-  return std::max(options.light_samples, options.split);
+  return std::max(options.light_samples, options.bsdf_samples);
 }
 
 void ResolveSize(JobRequest& request, const SceneDefaults& scene) {
@@ -119,20 +113,6 @@ void ResolveFilter(JobRequest& request, const SceneDefaults& scene) {
   request.filter = options.filter;
 }
 
-void ResolvePasses(JobRequest& request, const SceneDefaults& scene) {
-  std::uint32_t& passes = request.options.photons.passes;
-  if (WantsPassPerSample(request, scene) && passes == 0) {
-    passes = request.options.samples_per_pixel;
-  }
-}
-
-void ResolvePhotonDistance(JobRequest& request, const SceneDefaults& scene) {
-  float& distance = request.options.photons.distance;
-  if (WantsPassPerSample(request, scene) && distance <= 0) {
-    distance = scene.settings.photon_distance.value_or(0);
-  }
-}
-
 void LimitDepth(JobRequest& request, std::vector<std::string>& notes) {
   std::uint32_t& depth = request.options.max_depth;
   if (depth <= kMaxDepth) return;
@@ -157,7 +137,7 @@ void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
 
 void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes) {
   const RenderOptions& options = request.options;
-  if (!options.guide || Describe(options.integrator).has_light_paths()) return;
+  if (!options.of<GuideOptions>().guide || Describe(options.integrator).has_light_paths()) return;
   notes.push_back(fmt::format("--guide changes nothing: --integrator {} has no light paths",
                               ToString(options.integrator)));
 }
@@ -183,7 +163,7 @@ void CheckResolved(const JobRequest& request) {
   if (options.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples per pixel show nothing");
   }
-  if (options.split == 0 && !request.continuation_strategy.empty()) {
+  if (options.bsdf_samples == 0 && !request.continuation_strategy.empty()) {
     throw OptionError("continuation-strategy", "",
                       "belongs to paths that split at their first hit: give `split S` as well");
   }

@@ -24,9 +24,6 @@ void ResolveStrategy(JobRequest& request, const SceneDefaults& scene);
 void ResolveCrop(JobRequest& request, const SceneDefaults& scene);
 // The filter and its radius: a filter of the request has its own radius, not the scene's.
 void ResolveFilter(JobRequest& request, const SceneDefaults& scene);
-// pbrt's sppm has a pass for each sample, with photons of its own.
-void ResolvePasses(JobRequest& request, const SceneDefaults& scene);
-void ResolvePhotonDistance(JobRequest& request, const SceneDefaults& scene);
 
 // Lowers a depth beyond kMaxDepth, which a scene file may have, and says so in `notes`.
 void LimitDepth(JobRequest& request, std::vector<std::string>& notes);

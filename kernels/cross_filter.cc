@@ -103,78 +103,104 @@ HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, std::size_t
   return share * share * of_surface + coverage * coverage;
 }
 
-// Sums of a tile for one half.
+// Sums of a tile for one half: of what its pixels are averaged with, of the weights, and of the
+// noise by their squares.
 struct Averages {
   TilePlane r, g, b, weight, noise;
-};
 
-void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
-                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
-  const int lanes = static_cast<int>(hn::Lanes(F()));
-  const VF zero = hn::Zero(F()), one = Set(1.0f);
-  TilePlane z[2], sums[2];
-  Averages averages[2];
-  const auto for_each_vector = [&](const auto& f) HWY_ATTR {
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; x += lanes) f(x, y, shape.at(tile.x + x, tile.y + y));
-    }
-  };
-  const auto add = [&](int half, int x, int y, std::size_t j, VF weight) HWY_ATTR {
-    Averages& a = averages[half];
-    const HalfPlanes& from = in[half];
+  HWY_INLINE void Clear(int x, int y) {
+    for (TilePlane* plane : {&r, &g, &b, &weight, &noise}) Store(hn::Zero(F()), plane->at(x, y));
+  }
+  // Adds pixels `j` of a half to those at (x, y).
+  HWY_INLINE void Add(int x, int y, const HalfPlanes& from, std::size_t j, VF share) {
     const auto sum = [&](TilePlane& plane, VF value) HWY_ATTR {
       float* const at = plane.at(x, y);
       Store(Load(at) + value, at);
     };
-    sum(a.r, weight * Load(from.r + j));
-    sum(a.g, weight * Load(from.g + j));
-    sum(a.b, weight * Load(from.b + j));
-    sum(a.weight, weight);
-    sum(a.noise, weight * weight * Load(from.noise + j));
-  };
-  // A pixel equals itself.
-  for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
+    sum(r, share * Load(from.r + j));
+    sum(g, share * Load(from.g + j));
+    sum(b, share * Load(from.b + j));
+    sum(weight, share);
+    sum(noise, share * share * Load(from.noise + j));
+  }
+};
+
+// Calls f(x, y, i) for the vectors of a tile; pixel (x, y) of it is number i of the planes.
+template <class Function>
+HWY_INLINE void ForEachVector(const PlaneShape& shape, const FilterTile& tile, const Function& f) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  for (int y = 0; y < tile.height; ++y) {
+    for (int x = 0; x < tile.width; x += lanes) f(x, y, shape.at(tile.x + x, tile.y + y));
+  }
+}
+
+// Returns how much pixels j count for pixels i by one half: (trust - excess)^8, where `trust` is
+// what their features leave, and the excess of their distance, `around` summed over 3 x 3 pixels,
+// is beyond what noise explains. Pixels that are noisier count less, and single ones that are far
+// apart
+// (`z`) not at all.
+HWY_INLINE VF NeighbourWeight(VF trust, VF around, VF z, VF noise_i, VF noise_j) {
+  const VF zero = hn::Zero(F());
+  const VF excess = hn::Max(around * (1.0f / 9) - kTolerated, zero);
+  VF weight = hn::Max(trust - excess * (1 / kLimit), zero);
+  weight = weight * weight, weight = weight * weight;
+  weight = weight * weight;
+  weight = weight * hn::Min(noise_i * kNoisier / noise_j, Set(1.0f));
+  return IfThen(hn::Gt(z, Set(kFarApart)), zero, weight);
+}
+
+// The sums of both halves of a tile, and squared distances for one neighbour at a time.
+struct CrossSums {
+  TilePlane z[2], three[2];
+  Averages averages[2];
+};
+
+// Adds the neighbours at (dx, dy): each half is weighted by the other one.
+HWY_INLINE void AddNeighbours(const PlaneShape& shape, const FeaturePlanes& features,
+                              const HalfPlanes (&in)[2], const FilterTile& tile, int dx, int dy,
+                              CrossSums& sums) {
+  const std::ptrdiff_t offset = std::ptrdiff_t(shape.pitch()) * dy + dx;
+  for (int half = 0; half < 2; ++half) {
+    Distances(shape, in[half], tile, offset, sums.z[half], sums.three[half]);
+  }
+  ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
+    const std::size_t j = i + std::size_t(offset);
+    const VF of_features =
+        FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))) * (0.5f / kLimit);
+    const VF trust = Set(1.0f) - of_features;
+    if (hn::AllTrue(F(), hn::Le(trust, hn::Zero(F())))) return;
     for (int half = 0; half < 2; ++half) {
-      Averages& a = averages[half];
-      for (TilePlane* plane : {&a.r, &a.g, &a.b, &a.weight, &a.noise}) Store(zero, plane->at(x, y));
-      add(half, x, y, i, one);
+      TilePlane& rows = sums.three[half];
+      const VF around = Load(rows.at(x, y - 1)) + Load(rows.at(x, y + 1)) + Load(rows.at(x, y));
+      const VF weight =
+          NeighbourWeight(trust, around, Load(sums.z[half].at(x, y)),
+                          Load(in[half].noise + i) + kNoNoise, Load(in[half].noise + j) + kNoNoise);
+      sums.averages[1 - half].Add(x, y, in[1 - half], j, weight);
     }
   });
-  for (int ty = -level.radius; ty <= level.radius; ++ty) {
-    for (int tx = -level.radius; tx <= level.radius; ++tx) {
-      if (tx == 0 && ty == 0) continue;
-      const int dx = tx * level.stride, dy = ty * level.stride;
-      const std::ptrdiff_t offset = std::ptrdiff_t(shape.pitch()) * dy + dx;
-      for (int half = 0; half < 2; ++half) {
-        Distances(shape, in[half], tile, offset, z[half], sums[half]);
-      }
-      for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
-        const std::size_t j = i + std::size_t(offset);
-        const VF of_features =
-            FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))) * (0.5f / kLimit);
-        const VF trust = one - of_features;
-        if (hn::AllTrue(F(), hn::Le(trust, zero))) return;
-        for (int half = 0; half < 2; ++half) {
-          TilePlane& rows = sums[half];
-          const VF around = Load(rows.at(x, y - 1)) + Load(rows.at(x, y + 1)) + Load(rows.at(x, y));
-          const VF excess = hn::Max(around * (1.0f / 9) - kTolerated, zero);
-          VF weight = hn::Max(trust - excess * (1 / kLimit), zero);
-          weight = weight * weight, weight = weight * weight;
-          weight = weight * weight;
-          const VF noise_i = Load(in[half].noise + i) + kNoNoise;
-          const VF noise_j = Load(in[half].noise + j) + kNoNoise;
-          weight = weight * hn::Min(noise_i * kNoisier / noise_j, one);
-          weight = IfThen(hn::Gt(Load(z[half].at(x, y)), Set(kFarApart)), zero, weight);
-          add(1 - half, x, y, j, weight);
-        }
-      });
+}
+
+void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
+                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  CrossSums sums;
+  // A pixel equals itself.
+  ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
+    for (int half = 0; half < 2; ++half) {
+      sums.averages[half].Clear(x, y);
+      sums.averages[half].Add(x, y, in[half], i, Set(1.0f));
+    }
+  });
+  for (int y = -level.radius; y <= level.radius; ++y) {
+    for (int x = -level.radius; x <= level.radius; ++x) {
+      if (x == 0 && y == 0) continue;
+      AddNeighbours(shape, features, in, tile, x * level.stride, y * level.stride, sums);
     }
   }
-  for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
+  ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
     for (int half = 0; half < 2; ++half) {
-      Averages& a = averages[half];
+      Averages& a = sums.averages[half];
       const HalfPlanes& to = out[half];
-      const VF scale = one / Load(a.weight.at(x, y));
+      const VF scale = 1.0f / Load(a.weight.at(x, y));
       Store(Load(a.r.at(x, y)) * scale, to.r + i);
       Store(Load(a.g.at(x, y)) * scale, to.g + i);
       Store(Load(a.b.at(x, y)) * scale, to.b + i);

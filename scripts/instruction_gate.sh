@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Counts the instructions of every stage of small renders under callgrind, of paths, of paths from
 # both ends, of photon maps and of textures, and compares them with
-# tests/baselines/instructions.txt; fails if one differs by more than 0.5 %, in either direction:
+# tests/baselines/instructions.txt; fails if one differs by more than 0.1 %, in either direction:
 #   scripts/instruction_gate.sh [PROGRAM]                     default: build/release/skywave
 #   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   stores new counts with the reason
 # `skywave bench SCENE --instructions` counts (bench/measure/instructions.h). Counts depend on the
@@ -10,7 +10,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 baseline=${SKYWAVE_INSTRUCTIONS:-$root/tests/baselines/instructions.txt}
-limit_percent=0.5
+limit_percent=0.1
 # What is rendered, with the name that its stages get in the baseline.
 pictures=(
   "path: spheres"

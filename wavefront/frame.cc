@@ -23,7 +23,7 @@ SampleRange PictureSamples(const RenderOptions& options) {
 
 FrameView FrameView::of_continuations() const {
   FrameView frame = *this;
-  frame.options.split = 0;
+  frame.options.bsdf_samples = 0;
   if (continuation_strategy != nullptr) frame.strategy = continuation_strategy;
   return frame;
 }

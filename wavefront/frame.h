@@ -7,10 +7,8 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/camera.h"
-#include "kernels/light_paths/bidirectional.h"
 #include "kernels/light_paths/camera_connection.h"
 #include "kernels/light_paths/emission.h"
-#include "kernels/light_paths/photons.h"
 #include "kernels/lights/local_lights.h"
 #include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
@@ -20,61 +18,17 @@
 #include "wavefront/film/filter.h"
 #include "wavefront/integrator.h"
 #include "wavefront/rays/trace.h"
+#include "wavefront/slots.h"
 
 namespace skywave {
 
-// The number of vertices of a path that come from the light, which counts itself, and from the eye.
-struct SubpathLengths {
-  std::uint32_t light = 0, eye = 2;
-};
-
-struct EmissionGuide;
 struct LightGroups;
-struct PhotonMaps;
-struct VirtualLights;
-class IrradianceCache;
 
 // Samples [first, end) of every pixel.
 struct SampleRange {
   std::uint32_t first = 0, end = 0;
   std::uint32_t count() const { return end - first; }
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
-};
-
-// Part of the lighting that is known analytically; only the residual is sampled.
-enum class ControlVariate {
-  kNone,
-  kIrradiance  // that of the map on diffuse surfaces from which nothing hides it
-};
-
-// Options of photon mapping and of vertex connection and merging, whose light vertices count as
-// indirect photons. As in pbrt, the counts are those of stored photons.
-struct PhotonOptions {
-  std::uint32_t indirect = 200000, caustic = 20000;
-  std::uint32_t neighbors = 50;  // photons of a lookup, at most
-  float distance = 0;            // largest of a lookup [world space]; 0: chosen by the photons
-  PhotonKernel kernel = PhotonKernel::kEpanechnikov;
-  // A surface sends this many rays of a final gather; 0: photons are looked up where it is seen.
-  std::uint32_t gather = 1;
-  // Several passes are progressive: each looks up everything within a radius that shrinks from pass
-  // to pass. 0 means one pass, or one for each sample (IntegratorDescriptor::pass_each_sample).
-  std::uint32_t passes = 0;
-  float alpha = 2.0f / 3;  // how slowly the radius shrinks
-  bool progressive() const { return passes > 1; }
-};
-
-// Options of virtual point lights.
-struct VirtualLightOptions {
-  std::uint32_t count = 64;  // of each sample, on average
-  // Lights that are nearer than this shine as from there [world space]; negative: chosen by the
-  // lights.
-  float distance = -1;
-};
-
-// Options of the irradiance cache.
-struct IrradianceCacheOptions {
-  float accuracy = 0.2f;     // largest error of a record that counts (Ward's a)
-  std::uint32_t rays = 256;  // of a record
 };
 
 struct RenderOptions {
@@ -88,11 +42,11 @@ struct RenderOptions {
   // these are all.
   SampleRange picture_samples;
   std::uint32_t max_depth = 5;      // surfaces at which a path scatters
-  std::uint32_t light_samples = 1;  // per hit (LightSamples); paths that split: per first hit
-  std::uint32_t split = 0;          // continuations of a path; 0: paths do not split
+  std::uint32_t light_samples = 1;  // per hit (LightSamples)
+  // BSDF samples of the first surface with a density, each of which goes on as a path; 0: one, by
+  // the path itself.
+  std::uint32_t bsdf_samples = 0;
   bool mis = true;
-  ControlVariate control = ControlVariate::kNone;
-  std::optional<SubpathLengths> subpath_lengths;  // only these; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
   float filter_radius = 0;    // [pixels]; 0: the filter's own
@@ -100,11 +54,18 @@ struct RenderOptions {
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kBest;
   AovSet aovs = 0;  // layers in addition to the picture
-  // Light paths from the environment start where camera paths of a pilot needed them.
-  bool guide = false;
-  PhotonOptions photons;
-  VirtualLightOptions virtual_lights;
-  IrradianceCacheOptions irradiance_cache;
+  ValueSlots own;   // those of integrators and policies, by type
+
+  // The options of a type that an integrator or a policy has. A reference that may be changed is
+  // good until the next copy of the options.
+  template <class Options>
+  const Options& of() const {
+    return own.of<Options>();
+  }
+  template <class Options>
+  Options& of() {
+    return own.of<Options>();
+  }
 };
 
 // Returns the samples that are rendered, and those of the whole picture that they are a part of.
@@ -114,7 +75,8 @@ SampleRange PictureSamples(const RenderOptions& options);
 // Returns how many light samples a hit takes, or the first hit of a path that splits.
 inline std::uint32_t LightSamplesOf(const RenderOptions& options) {
   const LightSamples taken = Describe(options.integrator).light_samples;
-  return taken == LightSamples::kRequested || options.split > 0 ? options.light_samples : 1;
+  const bool all = taken == LightSamples::kRequested || options.bsdf_samples > 0;
+  return all ? options.light_samples : 1;
 }
 
 // The light samples of a surface are those that the strategy plans. Each drawn sample goes to a
@@ -140,23 +102,26 @@ struct FrameView {
   FilterView filter = {};   // for splats
   // Light paths start with `strategy`, or with importance if that cannot emit (LightPaths::kAny).
   const EnvStrategy* emitter = nullptr;
-  const EnvironmentMap* map = nullptr;            // the map of both
-  const EmissionGuide* guide = nullptr;           // null: light paths from the map start anywhere
-  const PhotonMaps* photons = nullptr;            // those of the current pass
-  const VirtualLights* virtual_lights = nullptr;  // those of the current pass
-  const IrradianceCache* irradiance_cache = nullptr;
-  float eta_vcm = 0;                          // that of the current pass, see MisTechniques
+  const EnvironmentMap* map = nullptr;        // the map of both
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
-  IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
-  ControlWeightView control_weights = {};     // without weights: the control weighs 1 everywhere
+  ViewSlots shown;                            // what passes and policies have for stages, by type
 
-  MisPolicy mis() const {
-    return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
+  // Returns what a pass or a policy shows; null: there is none.
+  template <class Data>
+  const Data* find() const {
+    return shown.find<Data>();
   }
-  MisTechniques mis_techniques() const { return {.mis = mis(), .eta_vcm = eta_vcm}; }
-  bool splits() const { return options.split > 0; }
-  bool controls() const { return irradiance.nodes != nullptr; }
-  bool weighs_control() const { return control_weights.weight != nullptr; }
+  template <class Data>
+  void Show(const Data* data) {
+    shown.Set(data);
+  }
+
+  // Returns how many light samples a hit takes.
+  std::uint32_t light_samples() const { return LightSamplesOf(options); }
+  MisPolicy mis() const {
+    return {.enabled = options.mis,
+            .bsdf_samples = options.bsdf_samples > 0 ? float(options.bsdf_samples) : 1};
+  }
   // True if light comes from beyond the scene; if not, the strategy is not used.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
@@ -164,19 +129,14 @@ struct FrameView {
   // shaded: under multiple importance sampling those of all BSDFs can, else those of mirrors and
   // glass.
   std::uint32_t first_bsdf_that_sees_light() const {
-    const bool shines = has_emitters() || (has_environment() && strategy->shines_on_bsdf_samples());
-    return (options.mis || options.subpath_lengths) && shines ? 0 : kFirstDeltaBsdf;
+    return options.mis && shines_on_bsdf_samples() ? 0 : kFirstDeltaBsdf;
   }
-  // Returns how many light samples a hit takes.
-  std::uint32_t light_samples() const { return LightSamplesOf(options); }
+  bool shines_on_bsdf_samples() const {
+    return has_emitters() || (has_environment() && strategy->shines_on_bsdf_samples());
+  }
   // Returns the frame in which continuations go on as paths that do not split again.
   FrameView of_continuations() const;
   LightShares light_shares() const;
-  // True if the picture shows what sub-paths with this many vertices bring.
-  bool shows(std::uint32_t light, std::uint32_t eye) const {
-    return !options.subpath_lengths ||
-           (options.subpath_lengths->light == light && options.subpath_lengths->eye == eye);
-  }
   // Returns how many light paths stand for one sample of every pixel.
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "base/names.h"
@@ -35,6 +37,7 @@ class Film;
 struct FrameView;
 class Geometry;
 struct PhotonCounts;
+struct RenderOption;
 struct RenderOptions;
 struct SceneSphere;
 struct WaveRange;
@@ -55,15 +58,6 @@ enum class LightPaths {
   kAny        // that of light samples if it can emit, or else another one
 };
 
-// What passes before those of camera paths store for them.
-enum class StoredLight {
-  kNothing,    // nothing: there are no such passes
-  kPhotons,    // photons in a caustic and an indirect map, to be looked up
-  kVertices,   // light vertices in one map, to be merged
-  kLights,     // light vertices one by one, to shine as virtual point lights
-  kIrradiance  // indirect irradiance at points of diffuse surfaces, without light paths
-};
-
 // Renders the samples of a pass. Returns false if no further pass is wanted.
 using RenderPass = std::function<bool(const FrameView& frame)>;
 
@@ -73,16 +67,17 @@ struct IntegratorDescriptor {
 
   bool direct_light_only = false;  // else it computes all light, except for what `help` says
   LightSamples light_samples = LightSamples::kOne;
-  bool splits = false;            // takes the option `split`
-  bool selects_paths = false;     // takes the option `paths`
-  bool controls = false;          // takes the option `control`
+  bool controls = false;          // subtracts what a control variate knows (ControlView)
   bool has_light_groups = false;  // keeps light groups apart if paths do not split
   LightPaths light_paths = LightPaths::kNone;
-  bool has_splats = false;  // light paths add to pixels anywhere on the film
-  StoredLight stores = StoredLight::kNothing;
+  bool has_splats = false;        // light paths add to pixels anywhere on the film
   bool biased = false;            // biased: does not converge to the picture with more samples
   bool mixes_light = false;       // direct and indirect light of a surface come together
-  bool pass_each_sample = false;  // unless the option `progressive` says how many passes
+  bool pass_each_sample = false;  // unless an option says how many passes
+
+  // The options that only it and integrators like it take; null: none. An option that two of them
+  // take is described in one place.
+  std::span<const RenderOption> (*options)() = nullptr;
 
   // Throws OptionError if options do not go together with this integrator. CheckIntegrator checks
   // the fields above itself. Null: there is nothing more to check.
@@ -96,14 +91,13 @@ struct IntegratorDescriptor {
   // itself is the only pass.
   void (*for_each_pass)(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                         const RenderPass& render) = nullptr;
+  // Returns a line for people about what the passes have made; null: there is nothing to say.
+  std::string (*describe_passes)(const PhotonCounts& counts) = nullptr;
   // Renders the samples of a wave with a worker that has the tables.
   void (*render_wave)(const FrameView& frame, const WaveRange& range, Worker& worker,
                       Film& film) = nullptr;
 
   bool has_light_paths() const { return light_paths != LightPaths::kNone; }
-  bool has_photons() const {
-    return stores == StoredLight::kPhotons || stores == StoredLight::kVertices;
-  }
 };
 
 const IntegratorDescriptor& Describe(Integrator integrator);

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/granted.h"
 #include "wavefront/option_names.h"
-#include "wavefront/passes/photon_pass.h"
-#include "wavefront/records/photon_map.h"
+#include "wavefront/policy.h"
+#include "wavefront/render_option.h"
 
 namespace skywave {
 namespace {
@@ -24,30 +23,23 @@ std::string NamesWith(bool IntegratorDescriptor::*field) {
   return fmt::format("{}", fmt::join(names, " or "));
 }
 
-// Refuses options that only other integrators take.
+// Refuses options that only other integrators take, where they cannot just be left out.
 void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integrator) {
-  const std::string_view name = ToString(options.integrator);
-  if (options.split > 0 && !integrator.splits) {
-    throw OptionError("split", fmt::format("{}", options.split),
-                      fmt::format("splits paths: `integrator {}` has none", name));
-  }
-  if (options.control != ControlVariate::kNone && !integrator.controls) {
-    throw OptionError("control", std::string(ToString(options.control)),
-                      fmt::format("is for light samples of paths from the camera alone: use "
-                                  "`integrator {}`",
-                                  NamesWith(&IntegratorDescriptor::controls)));
+  const RenderOptions defaults;
+  for (const RenderOption& option : RenderOptionTable()) {
+    if (option.refused.empty() || Takes(options.integrator, option.name)) continue;
+    const std::vector<std::string> value = option.get(options);
+    if (value == option.get(defaults)) continue;
+    throw OptionError(
+        std::string(option.name), Joined(option, value),
+        fmt::format("{}, which `integrator {}` does not: use `integrator {}`", option.refused,
+                    ToString(options.integrator), fmt::join(IntegratorsOf(option), " or ")));
   }
   if (HasSigns(options.filter) && integrator.has_splats) {
     throw OptionError("filter", std::string(ToString(options.filter)),
                       fmt::format("has weights that are partly negative, which the splats of "
                                   "`integrator {}` do not take",
-                                  name));
-  }
-  if (options.subpath_lengths && !integrator.selects_paths) {
-    throw OptionError("paths", "",
-                      fmt::format("shows what single techniques bring, which `integrator {}` does "
-                                  "not; use `integrator {}`",
-                                  name, NamesWith(&IntegratorDescriptor::selects_paths)));
+                                  ToString(options.integrator)));
   }
 }
 
@@ -56,7 +48,7 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
   const auto refuse = [&](const std::string& why) {
     throw OptionError("aovs", ToString(options.aovs), why);
   };
-  const bool one_start = integrator.has_light_groups && options.split == 0;
+  const bool one_start = integrator.has_light_groups && options.bsdf_samples == 0;
   if (Sums(options.aovs, AovSum::kLightGroups) && !one_start) {
     refuse(fmt::format("light groups are kept by `integrator {}`, without `split`",
                        NamesWith(&IntegratorDescriptor::has_light_groups)));
@@ -85,63 +77,16 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
   }
 }
 
-// Refuses passes without samples, and more photons than there is memory for.
-void CheckPasses(const RenderOptions& options) {
-  if (options.photons.passes > PictureSamples(options).count()) {
-    throw OptionError("progressive", fmt::format("{}", options.photons.passes),
-                      fmt::format("each pass needs a sample a pixel, and `spp` is {}",
-                                  PictureSamples(options).count()));
-  }
-  CheckPhotonMemory(options, GrantedHere().memory_bytes);
-}
-
-// Returns how many light vertices a pass has at most: options.photons.indirect, or all that its
-// light paths could leave.
-std::uint64_t MostVertices(const RenderOptions& options) {
-  const std::uint64_t samples = PictureSamples(options).count() / PhotonPasses(options).size();
-  const CropWindow film =
-      WholeBlocks({options.crop_x, options.crop_y, options.width, options.height});
-  const std::uint64_t paths = std::uint64_t(film.width) * std::uint64_t(film.height) * samples;
-  return std::min<std::uint64_t>(options.photons.indirect, paths * options.max_depth);
-}
-
-bool StoresVertices(const RenderOptions& options) {
-  return Describe(options.integrator).stores == StoredLight::kVertices;
-}
-
 }  // namespace
-
-void RefusePhotons(const RenderOptions& options, const std::string& why) {
-  std::vector<OptionValue> asked = {{"photons", fmt::format("{}", options.photons.indirect)}};
-  if (!StoresVertices(options)) {
-    asked.push_back({"caustic-photons", fmt::format("{}", options.photons.caustic)});
-  }
-  throw OptionError(std::move(asked), why + "; ask for fewer");
-}
-
-void CheckPhotonMemory(const RenderOptions& options, std::uint64_t memory) {
-  const PhotonOptions& photons = options.photons;
-  const bool vertices = StoresVertices(options);
-  const std::uint64_t count =
-      vertices ? MostVertices(options) : std::uint64_t{photons.indirect} + photons.caustic;
-  const std::uint64_t bytes = count * PhotonBytes(/*with_subpaths=*/vertices);
-  constexpr double kGigabyte = 1e9;
-  if (std::max(photons.indirect, photons.caustic) > kMostPhotons) {
-    RefusePhotons(options, fmt::format("a map has room for {}", kMostPhotons));
-  }
-  if (bytes > memory) {
-    RefusePhotons(options,
-                  fmt::format("they take {:.1f} GB while maps are built, and there are {:.1f} GB",
-                              double(bytes) / kGigabyte, double(memory) / kGigabyte));
-  }
-}
 
 void CheckIntegrator(const RenderOptions& options) {
   const IntegratorDescriptor& integrator = Describe(options.integrator);
   CheckTaken(options, integrator);
   CheckLayers(options, integrator);
   if (integrator.check != nullptr) integrator.check(options);
-  if (integrator.has_photons()) CheckPasses(options);
+  for (const PolicyDescriptor& policy : Policies()) {
+    if (policy.check != nullptr) policy.check(options);
+  }
 }
 
 }  // namespace skywave

@@ -18,10 +18,6 @@ inline constexpr auto kEnumNames<CameraKind> =
                                       {CameraKind::kFisheye, "fisheye"}});
 
 template <>
-inline constexpr auto kEnumNames<ControlVariate> = std::to_array<Named<ControlVariate>>(
-    {{ControlVariate::kNone, "none"}, {ControlVariate::kIrradiance, "irradiance"}});
-
-template <>
 inline constexpr auto kEnumNames<PhotonKernel> =
     std::to_array<Named<PhotonKernel>>({{PhotonKernel::kConstant, "constant"},
                                         {PhotonKernel::kCone, "cone"},

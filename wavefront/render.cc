@@ -5,17 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <new>
 #include <numeric>
 
 #include "base/clock.h"
 #include "wavefront/integrator.h"
-#include "wavefront/option_checks.h"
-#include "wavefront/policies/control_pilot.h"
-#include "wavefront/policies/emission_pilot.h"
-#include "wavefront/policies/strategy_pilot.h"
-#include "wavefront/policies/visibility_pilot.h"
-#include "wavefront/records/emission_guide.h"
+#include "wavefront/policy.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
@@ -241,36 +235,10 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   const auto for_each_pass = Describe(frame.options.integrator).for_each_pass;
   if (for_each_pass == nullptr) {
     render(frame);
-    return;
-  }
-  try {
-    for_each_pass(frame, pool, counts, render);
-  } catch (const std::bad_alloc&) {
-    if (!Describe(frame.options.integrator).has_photons()) throw;
-    // Nothing else takes as much memory, whatever allocation failed.
-    RefusePhotons(frame.options, "there is no memory left for so many");
-  }
-}
-
-namespace {
-
-// Has a pilot choose or teach the strategy `slot` of the frame, if it needs that. Returns what was
-// taught, which the frame then uses.
-std::unique_ptr<EnvStrategy> PrepareStrategy(StrategySlot slot, const FilmLayout& layout,
-                                             WorkerPool& pool, FrameView& frame,
-                                             FrameResult& result) {
-  if (frame.*slot == nullptr) return nullptr;
-  std::unique_ptr<EnvStrategy> taught;
-  if ((frame.*slot)->candidates().empty()) {
-    taught = LearnVisibility(frame, *(frame.*slot), pool, result.visibility);
   } else {
-    taught = ChooseStrategy(slot, layout, pool, frame, result.choices, result.visibility);
+    for_each_pass(frame, pool, counts, render);
   }
-  if (taught) frame.*slot = taught.get();
-  return taught;
 }
-
-}  // namespace
 
 FrameResult RenderFrame(const FrameView& frame, Film& film, const RenderControl& control) {
   RenderState state;
@@ -294,18 +262,12 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
   const double processor_start = ProcessorSeconds();
   const auto start = Clock::now();
   pool.Run([&] {
-    std::unique_ptr<EnvStrategy> learnt[2];
-    std::size_t count = 0;
-    for (const StrategySlot slot : {&FrameView::strategy, &FrameView::continuation_strategy}) {
-      learnt[count++] = PrepareStrategy(slot, film.layout(), pool, frame, result);
-    }
-    ControlWeights weights;
-    if (frame.controls()) weights = LearnControl(pool, frame, result.control);
-    EmissionGuide guide;
-    if (options.guide && Describe(options.integrator).has_light_paths() &&
-        frame.has_environment()) {
-      guide = LearnEmission(frame, pool, result.guide);
-      if (!guide.empty()) frame.guide = &guide;
+    const Pilots pilots = {.pool = pool,
+                           .brightest_radiance = film.layout().brightest_radiance,
+                           .reports = result.pilots};
+    std::vector<std::shared_ptr<const void>> learnt;  // the frame refers to it
+    for (const PolicyDescriptor& policy : Policies()) {
+      if (policy.teach != nullptr) learnt.push_back(policy.teach(frame, pilots));
     }
     ForEachPass(frame, pool, result.photons, [&](const FrameView& view) {
       return RenderSteps(view, SamplesOf(view.options), pool, film, state, control);

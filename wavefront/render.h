@@ -10,7 +10,7 @@
 #include "wavefront/frame.h"
 #include "wavefront/integrator.h"
 #include "wavefront/passes/photon_pass.h"
-#include "wavefront/policies/guide_counts.h"
+#include "wavefront/pilot_reports.h"
 #include "wavefront/rays/ray_recorder.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/stats.h"
@@ -59,10 +59,9 @@ struct RenderControl {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
-  GuideCounts guide, visibility, control;  // their seconds are among `seconds`
-  std::vector<StrategyChoice> choices;     // of each strategy that was `auto`; their seconds too
-  double seconds = 0;                      // wall clock, from the first wave to the last
-  double processor_seconds = 0;            // of all threads of the process meanwhile
+  PilotReports pilots;           // whose seconds are among `seconds`
+  double seconds = 0;            // wall clock, from the first wave to the last
+  double processor_seconds = 0;  // of all threads of the process meanwhile
   int threads = 0;
   std::uint32_t samples_per_pixel = 0;  // in the film, if the frame's were not there before
   // Where blocks end apart, pixels have fewer than that on average.

@@ -1,5 +1,8 @@
 #include "wavefront/worker.h"
 
+#include "wavefront/film/light_groups.h"
+#include "wavefront/policy.h"
+
 namespace skywave {
 
 Worker::Worker(std::uint32_t wave)
@@ -12,18 +15,12 @@ Worker::Worker(std::uint32_t wave)
       history(wave),
       scratch(wave) {}
 
-Worker::~Worker() = default;
-
 std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   auto worker = std::make_unique<Worker>(options.wave);
   const IntegratorDescriptor& integrator = Describe(options.integrator);
-  if (integrator.has_light_paths()) worker->light.emplace(options.wave);
-  if (Sums(options.aovs, AovSum::kLightGroups)) worker->groups.emplace(options.wave);
+  if (Sums(options.aovs, AovSum::kLightGroups)) worker->tables.Add<GroupTables>(options.wave);
   if (integrator.add_tables != nullptr) integrator.add_tables(options, *worker);
-  if (options.control != ControlVariate::kNone) {
-    worker->control.emplace(options.wave);
-    if (worker->continuations) worker->continuations->wave.control.emplace(options.wave);
-  }
+  AddPolicyTables(options, *worker);
   return worker;
 }
 

@@ -58,19 +58,11 @@ std::string Table(const RenderReport& report) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
   }
-  if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
-    line("  guide: {} lines of light needed by {} paths, in {:.3f} s, {:.1f} MiB", guide.samples,
-         guide.paths, guide.seconds, double(guide.bytes) / (1 << 20));
+  for (const PilotCounts& pilot : report.frame.pilots.counts) {
+    line("  {}: {} {} of {} paths, in {:.3f} s, {:.1f} MiB", pilot.policy, pilot.samples,
+         pilot.found, pilot.paths, pilot.seconds, double(pilot.bytes) / (1 << 20));
   }
-  if (const GuideCounts& learnt = report.frame.visibility; learnt.paths > 0) {
-    line("  visibility: {} rays of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples, learnt.paths,
-         learnt.seconds, double(learnt.bytes) / (1 << 20));
-  }
-  if (const GuideCounts& learnt = report.frame.control; learnt.paths > 0) {
-    line("  control: weights by {} surfaces of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples,
-         learnt.paths, learnt.seconds, double(learnt.bytes) / (1 << 20));
-  }
-  for (const StrategyChoice& choice : report.frame.choices) {
+  for (const StrategyChoice& choice : report.frame.pilots.choices) {
     std::string scores;
     for (const CandidateScore& score : choice.scores) {
       scores += fmt::format("{}{} {:.4g}", scores.empty() ? "" : ", ", score.name,
@@ -78,20 +70,9 @@ std::string Table(const RenderReport& report) {
     }
     line("  auto: {}, in {:.3f} s; variance x cost: {}", choice.chosen, choice.seconds, scores);
   }
-  const PhotonCounts& photons = report.frame.photons;
-  const StoredLight stores = Describe(report.job->options().integrator).stores;
-  if (stores == StoredLight::kLights) {
-    line("  virtual lights: {} of {} light paths in {:.3f} s, shining as from {:.4g} at least",
-         photons.indirect, photons.light_paths, photons.seconds, photons.radius);
-  } else if (stores == StoredLight::kIrradiance) {
-    line("  irradiance cache: {} records in {:.3f} s, {:.1f} MiB", photons.indirect,
-         photons.seconds, double(photons.bytes) / (1 << 20));
-  } else if (photons.light_paths > 0) {
-    line(
-        "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
-        "radii {:.4g} and {:.4g}",
-        photons.indirect, photons.caustic, photons.light_paths, photons.seconds,
-        double(photons.bytes) / (1 << 20), photons.radius, photons.caustic_radius);
+  const IntegratorDescriptor& integrator = Describe(report.job->options().integrator);
+  if (integrator.describe_passes != nullptr) {
+    line("  {}", integrator.describe_passes(report.frame.photons));
   }
   line("  {:<13}{:>8}{:>14}", "stage", "share", "ns a sample");
   const double busy = std::max(stats.busy_seconds(), 1e-12);
@@ -159,17 +140,13 @@ std::string JsonText(const RenderReport& report) {
         {"thread_seconds", stats.stage_seconds[i]},
         {"share", stats.stage_seconds[i] / std::max(stats.busy_seconds(), 1e-12)}};
   }
-  const auto add_pilot = [&](const char* name, const GuideCounts& pilot) {
-    if (pilot.paths == 0) return;
-    json[name] = {{"paths", pilot.paths},
-                  {"samples", pilot.samples},
-                  {"table_bytes", pilot.bytes},
-                  {"seconds", pilot.seconds}};
-  };
-  add_pilot("guide", report.frame.guide);
-  add_pilot("visibility", report.frame.visibility);
-  add_pilot("control", report.frame.control);
-  for (const StrategyChoice& choice : report.frame.choices) {
+  for (const PilotCounts& pilot : report.frame.pilots.counts) {
+    json[std::string(pilot.policy)] = {{"paths", pilot.paths},
+                                       {"samples", pilot.samples},
+                                       {"table_bytes", pilot.bytes},
+                                       {"seconds", pilot.seconds}};
+  }
+  for (const StrategyChoice& choice : report.frame.pilots.choices) {
     nlohmann::ordered_json scores = nlohmann::ordered_json::object();
     for (const CandidateScore& score : choice.scores) {
       scores[score.name] = {{"variance", score.variance}, {"cost", score.cost}};

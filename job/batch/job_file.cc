@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "job/option.h"
+#include "wavefront/option.h"
 
 // toml++ 3.3 asserts that no value begins with a terminator, but a malformed file has such values;
 // without the assertion its parser reports them. With NDEBUG the assertion becomes an assumption.

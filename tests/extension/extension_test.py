@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Adds a BSDF, a light strategy, an integrator, a layer and a flag to a copy of the tree, each as one
-new file and one line (docs/how_to_add.md), builds the program there and renders with them.
+"""Adds a BSDF, a light strategy, an integrator with an option, a table and a pass of its own, a policy
+that a pilot teaches, a layer and a flag to a copy of the tree, each as one new file and one line
+(docs/how_to_add.md), builds the program there and renders with them.
 
     extension_test.py SOURCE BUILD
 
@@ -9,6 +10,7 @@ addition is a twin of something that exists under another name, so its pictures 
 the original, to the last bit.
 """
 
+import json
 import os
 import pathlib
 import shutil
@@ -41,6 +43,97 @@ def write(path, text):
     if not path.exists() or path.read_text() != text:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
+
+
+# What the twin of `direct` has of its own: an option, a table of a worker and data of a pass, which
+# scale its picture.
+INTEGRATOR = """struct TwinOptions {
+  float gain = 1;
+};
+
+struct TwinTables {
+  explicit TwinTables(std::uint32_t wave) : gains(wave) {}
+  std::vector<float> gains;
+};
+
+struct TwinPass {
+  float gain;
+};
+
+std::span<const RenderOption> Options() {
+  static const RenderOption table[] = {
+      MakeRenderOption({.name = "twin-gain", .help = "factor of the picture",
+                        .scope = OptionScope::kPixels, .example = "--integrator twin --twin-gain 2"},
+                       SKYWAVE_FIELD_OF(TwinOptions, gain), Floats(0, 8))};
+  return table;
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  worker.tables.Add<TwinTables>(options.wave);
+}
+
+void ForEachPass(const FrameView& frame, WorkerPool&, PhotonCounts&, const RenderPass& render) {
+  const TwinPass pass = {.gain = frame.options.of<TwinOptions>().gain};
+  FrameView view = frame;
+  view.Show(&pass);
+  render(view);
+}
+
+void Amplify(const FrameView& frame, std::uint32_t n, Worker& w) {
+  std::vector<float>& gains = w.of<TwinTables>().gains;
+  std::fill(gains.begin(), gains.end(), frame.find<TwinPass>()->gain);
+  const PathColumns& paths = w.paths;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    paths.r[i] *= gains[i], paths.g[i] *= gains[i], paths.b[i] *= gains[i];
+  }
+}
+
+"""
+
+# A policy whose pilot counts the paths that meet something, and which then draws uniformly.
+POLICY = """// Draws uniformly what other strategies draw by the map.
+#include "lights/strategies/baselines.h"
+#include "wavefront/paths/pilot.h"
+#include "wavefront/policy.h"
+#include "wavefront/render_option.h"
+
+namespace skywave {
+namespace {
+
+struct TwinPolicyOptions {
+  bool evenly = false;
+};
+
+std::span<const RenderOption> Options() {
+  static const RenderOption table[] = {
+      MakeRenderOption({.name = "evenly", .help = "draw light uniformly",
+                        .scope = OptionScope::kPixels, .example = "--evenly"},
+                       SKYWAVE_FIELD_OF(TwinPolicyOptions, evenly), Switches())};
+  return table;
+}
+
+std::shared_ptr<const void> Teach(FrameView& frame, const Pilots& pilots) {
+  if (!frame.options.of<TwinPolicyOptions>().evenly) return nullptr;
+  const FrameView pilot = PilotView(frame, *frame.strategy, PilotShare(frame));
+  const std::vector<float> met = TracePilot<float>(
+      pilot, pilots.pool, [&](const WaveRange& range, Worker& w, std::vector<float>& found) {
+        FollowToSurfaces(pilot, range, kFirstDeltaBsdf, 1, w, [&](const std::vector<float>&) {
+          found.resize(found.size() + w.ranges.total());
+        });
+      });
+  pilots.reports.counts.push_back({.policy = "evenly", .found = "surfaces",
+                                   .paths = PilotPaths(pilot), .samples = met.size()});
+  auto even = std::make_shared<UniformStrategy>(*frame.map);
+  frame.strategy = even.get();
+  return even;
+}
+
+}  // namespace
+
+PolicyDescriptor TwinPolicy() { return {.options = Options, .teach = Teach}; }
+
+}  // namespace skywave
+"""
 
 
 class Additions:
@@ -97,9 +190,17 @@ StrategyFactory TwinFactory() {
 }  // namespace skywave
 """)
     add.line("lights/strategies/strategies.cc", "  STRATEGY(Hybrid)", " STRATEGY(Twin)")
-    # An integrator.
+    # An integrator, and a policy.
     add.file("wavefront/integrators/twin.cc",
-             twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator")))
+             twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator"),
+                  ("#include <utility>\n", "#include <algorithm>\n#include <span>\n#include <utility>\n"
+                   '#include <vector>\n\n#include "wavefront/render_option.h"\n'),
+                  ("void RenderDirectWave(", INTEGRATOR + "void RenderDirectWave("),
+                  ("  FinishWave(", "  Amplify(frame, range.count, w);\n  FinishWave("),
+                  (".render_wave", ".options = Options, .add_tables = AddTables,"
+                   " .for_each_pass = ForEachPass, .render_wave")))
+    add.file("wavefront/policies/twin.cc", POLICY)
+    add.line("wavefront/policy.h", "  POLICY(Guide)", " POLICY(Twin)")
     add.line("wavefront/integrator.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
              ' INTEGRATOR(Twin, "twin")')
     # A layer.
@@ -109,7 +210,7 @@ StrategyFactory TwinFactory() {
              "{ std::fill_n(out[0], first.count, 0.5f); }},\n")
     # A flag: its field and its line.
     add.line("wavefront/frame.h", "struct RenderOptions {\n", "  std::uint32_t twin = 7;\n")
-    add.line("job/options.cc", "std::vector<JobOption> MakeJobOptions() {\n"
+    add.line("job/options.cc", "std::vector<JobOption> CommonRows() {\n"
              "  // clang-format off\n  return {\n",
              '    Plain({.name = "twin", .help = "a number", .scope = kPixels, .example = "--twin 3"}'
              ", FIELD(options.twin), Numbers(0u, 9u)),\n")
@@ -176,9 +277,10 @@ class Extension(unittest.TestCase):
         for name, lines in add.lines.items():
             for _, line in lines:
                 self.assertLessEqual(line.rstrip("\n").count("\n"), 0, name)
-        self.assertEqual(len(add.files), 3)
-        # BSDF, what a reader maps to it, strategy, integrator, layer, and field and line of the flag.
-        self.assertEqual(sum(len(lines) for lines in add.lines.values()), 7)
+        self.assertEqual(len(add.files), 4)
+        # BSDF, what a reader maps to it, strategy, integrator, policy, layer, and field and line of
+        # the flag.
+        self.assertEqual(sum(len(lines) for lines in add.lines.values()), 8)
 
     def test_the_bsdf_renders_as_its_twin(self):
         self.render("diffuse", "diffuse.pbrt")
@@ -198,6 +300,28 @@ class Extension(unittest.TestCase):
         self.render("twin_integrator", "gallery", "--integrator", "twin", *arguments)
         self.assertEqual(self.compare("twin_integrator", "direct"), 0)
         self.assertIn("|photon|vcm|vpl|irradiance-cache|twin", self.skywave("render", "--help"))
+
+    def test_the_integrator_has_an_option_a_table_and_a_pass(self):
+        arguments = ["--integrator", "twin", "--light-samples", "3"]
+        self.render("once", "gallery", *arguments)
+        self.render("twice", "gallery", *arguments, "--twin-gain", "2")
+        self.render("bright", "gallery", "--integrator", "direct", "--light-samples", "3",
+                    "--env-intensity", "2")
+        self.assertGreater(self.compare("twice", "once"), 0.1)
+        # Films count in units that depend on the brightest light of a scene.
+        self.assertLess(self.compare("twice", "bright"), 1e-5)
+        self.assertIn(b" --twin-gain 2", (self.folder / "twice.exr").read_bytes())
+        self.render("direct_gain", "gallery", "--integrator", "direct", "--twin-gain", "2")
+        self.assertNotIn(b"--twin-gain", (self.folder / "direct_gain.exr").read_bytes())
+        self.assertRegex(self.skywave("options"), r"--twin-gain[^\n]*\n?[^\n]*twin")
+
+    def test_the_policy_learns_and_draws_as_its_twin(self):
+        self.render("uniform_light", "gallery", "--strategy", "uniform")
+        self.render("even", "gallery", "--evenly", "--stats", "even.json")
+        self.assertEqual(self.compare("even", "uniform_light"), 0)
+        learnt = json.loads((self.folder / "even.json").read_text())["evenly"]
+        self.assertGreater(learnt["paths"], 1000)
+        self.assertGreater(learnt["samples"], 0)
 
     def test_the_layer_is_kept(self):
         plain = self.render("plain", "gallery")

@@ -24,6 +24,7 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/temporary_folder.h"
+#include "wavefront/records/photon_map.h"
 
 namespace {
 
@@ -51,7 +52,7 @@ JobRequest Request(Integrator integrator, const char* layers) {
   request.integrator = integrator;
   request.max_depth = 3;
   request.options.aovs = *ParseAovs(layers);
-  request.options.photons.indirect = request.options.photons.caustic = 500;
+  request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 500;
   return request;
 }
 
@@ -185,7 +186,7 @@ TEST(MergeFilms, PicturesOfLightPathsAreSplitBySamples) {
 TEST(MergeFilms, PassesOfPhotonsAreThoseOfTheWholePicture) {
   for (const std::uint32_t passes : {1u, 4u}) {
     JobRequest request = Request(Integrator::kPhoton, kOfHits);
-    request.options.photons.passes = passes;
+    request.options.of<PhotonOptions>().passes = passes;
     SCOPED_TRACE(passes);
     ExpectBytesOfOneRender(request, 5, false);
   }

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "job/job.h"
 #include "job/resolve.h"
+#include "wavefront/records/photon_map.h"
 
 namespace skywave {
 namespace {
@@ -209,8 +210,8 @@ TEST(Resolve, ResolvingTwiceChangesNothing) {
   request.width = 9, request.height = 6;
   request.samples_per_pixel = 4;
   const JobRequest once = Resolve(request, scene);
-  EXPECT_EQ(once.options.photons.passes, 4u);
-  EXPECT_EQ(once.options.photons.distance, 0.5f);
+  EXPECT_EQ(once.options.of<PhotonOptions>().passes, 4u);
+  EXPECT_EQ(once.options.of<PhotonOptions>().distance, 0.5f);
   EXPECT_EQ(once.options.width, 4);
   EXPECT_EQ(once.options.film_width, 9);
   EXPECT_EQ(once.options.crop_x, 3);
@@ -285,11 +286,11 @@ TEST(Resolve, PhotonsOfTheUserComeBeforeThoseOfTheScene) {
   scene.photon_distance = 0.5f;
   JobRequest request;
   request.samples_per_pixel = 4;
-  request.options.photons.passes = 2;
-  request.options.photons.distance = 0.25f;
+  request.options.of<PhotonOptions>().passes = 2;
+  request.options.of<PhotonOptions>().distance = 0.25f;
   const RenderOptions options = Resolve(request, scene).options;
-  EXPECT_EQ(options.photons.passes, 2u);
-  EXPECT_EQ(options.photons.distance, 0.25f);
+  EXPECT_EQ(options.of<PhotonOptions>().passes, 2u);
+  EXPECT_EQ(options.of<PhotonOptions>().distance, 0.25f);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/temporary_folder.h"
+#include "wavefront/records/photon_map.h"
 
 namespace skywave {
 namespace {
@@ -225,7 +226,8 @@ TEST_F(Session, AnErrorIsReportedEvenIfNoCheckpointCanBeWritten) {
 TEST_F(Session, AnErrorBeforeTheFirstWaveLeavesNoCheckpoint) {
   JobRequest request = Request();
   request.integrator = Integrator::kPhoton;
-  request.options.photons.indirect = 20'000'000;  // traced for seconds before anything is seen
+  request.options.of<PhotonOptions>().indirect =
+      20'000'000;  // traced for seconds before anything is seen
   SessionRequest session = {.checkpoint = {.path = path()}};
   session.tell = [](double) -> bool { throw std::logic_error("enough"); };
   EXPECT_THROW(Rendered(request, session), std::logic_error);

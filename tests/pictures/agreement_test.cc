@@ -11,6 +11,8 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
+#include "wavefront/records/photon_map.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -68,11 +70,11 @@ PictureEstimate Progressive(const Scene& scene, JobRequest request, std::uint32_
                             std::uint32_t passes) {
   const bool merges = request.integrator == Integrator::kVcm;
   request.samples_per_pixel = (merges ? 12 : 8) * passes;
-  request.options.photons = {.indirect = merges ? 100000u : 2000u,
-                             .caustic = 500,
-                             .distance = merges || gather > 0 ? 0.3f : 0.8f,
-                             .gather = gather,
-                             .passes = passes};
+  request.options.of<PhotonOptions>() = {.indirect = merges ? 100000u : 2000u,
+                                         .caustic = 500,
+                                         .distance = merges || gather > 0 ? 0.3f : 0.8f,
+                                         .gather = gather,
+                                         .passes = passes};
   return Estimate(scene, request, 3);
 }
 
@@ -103,7 +105,7 @@ TEST_P(Agreement, AllIntegratorsMakeTheSamePicture) {
   // glass throw on the floor is missing (vpl_test.cc).
   if (row.bsdf == kLambert) {
     JobRequest request = Request(row, Integrator::kVpl, 48);
-    request.options.virtual_lights = {.count = 16, .distance = 0};
+    request.options.of<VirtualLightOptions>() = {.count = 16, .distance = 0};
     EXPECT_TRUE(SamePicture(Estimate(scene, request, kRuns), paths, kLevel)) << "vpl";
   }
 

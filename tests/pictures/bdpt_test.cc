@@ -15,6 +15,7 @@
 #include "tests/support/statistics.h"
 #include "wavefront/option_names.h"
 #include "wavefront/render.h"
+#include "wavefront/stages/bidirectional.h"
 
 namespace skywave {
 namespace {
@@ -180,7 +181,7 @@ TEST(Bdpt, EveryTechniqueAloneFindsAllLight) {
       for (const SubpathLengths& technique : TechniquesOf(surfaces)) {
         SCOPED_TRACE(std::to_string(technique.light) + "," + std::to_string(technique.eye));
         FrameView frame = job.frame();
-        frame.options.subpath_lengths = technique;
+        frame.options.of<ConnectionOptions>().shown = technique;
         frame.options.mis = false;
         const PictureEstimate alone =
             MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, seed += 100), 6);
@@ -199,7 +200,7 @@ TEST(Bdpt, WeightedTechniquesAddUpToThePicture) {
                       Request(Integrator::kBdpt, 4));
   const auto render = [&](const std::optional<SubpathLengths>& technique) {
     FrameView frame = job.frame();
-    frame.options.subpath_lengths = technique;
+    frame.options.of<ConnectionOptions>().shown = technique;
     Film film = job.MakeFilm();
     RenderFrame(frame, film);
     return film.Resolve(frame.options.samples_per_pixel).rgb;
@@ -225,19 +226,26 @@ TEST(Bdpt, UnsupportedOptionsAreRefused) {
   refused([](JobRequest& r) { r.options.mis = false; });
   refused([](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
   refused([](JobRequest& r) { r.strategy = "cosine"; });
-  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 1}; });
-  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 3, .eye = 0}; });
   refused([](JobRequest& r) {
-    r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2};
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 1, .eye = 1};
+  });
+  refused([](JobRequest& r) {
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 3, .eye = 0};
+  });
+  refused([](JobRequest& r) {
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 1, .eye = 2};
     r.integrator = Integrator::kPath;
   });
   // These lengths connect four surfaces, one more than the depth.
-  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 2, .eye = 4}; });
-  refused(
-      [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = ~0u, .eye = ~0u}; });
+  refused([](JobRequest& r) {
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 2, .eye = 4};
+  });
+  refused([](JobRequest& r) {
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = ~0u, .eye = ~0u};
+  });
   JobRequest alone = Request(Integrator::kBdpt, 3);
   alone.options.mis = false;
-  alone.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2};
+  alone.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 1, .eye = 2};
   EXPECT_NO_THROW(RenderJob(scene, alone));
 }
 

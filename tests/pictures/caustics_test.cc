@@ -11,6 +11,7 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -98,11 +99,11 @@ PictureEstimate Reference(const Scene& scene) {
 double DifferenceOf(const Scene& scene, bool in_mirror, Integrator integrator, std::uint32_t passes,
                     const PictureEstimate& expected) {
   JobRequest request = Request(integrator, 4 * passes, in_mirror);
-  request.options.photons = {.indirect = integrator == Integrator::kVcm ? 100000u : 0,
-                             .caustic = 1000,
-                             .distance = 0.3f,
-                             .gather = 0,
-                             .passes = passes};
+  request.options.of<PhotonOptions>() = {.indirect = integrator == Integrator::kVcm ? 100000u : 0,
+                                         .caustic = 1000,
+                                         .distance = 0.3f,
+                                         .gather = 0,
+                                         .passes = passes};
   return RelativeDifference(Blocks(EstimateFromEngine(RenderJob(scene, request), 1, 7)), expected);
 }
 

@@ -9,6 +9,7 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
+#include "wavefront/policies/control_pilot.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -36,8 +37,8 @@ JobRequest Request(Integrator integrator, ControlVariate control, std::uint32_t 
   JobRequest request = SmallRequest(48, 36, 16);
   request.integrator = integrator;
   request.strategy = "importance:compensate=1";
-  request.options.control = control;
-  request.options.split = split;
+  request.options.of<ControlOptions>().control = control;
+  request.options.bsdf_samples = split;
   return request;
 }
 

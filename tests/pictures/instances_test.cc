@@ -11,6 +11,7 @@
 #include "scene/shapes/mesh.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -168,8 +169,8 @@ TEST(Instances, GatherThePhotonsOfTheirCopies) {
   scene.camera = LookAtCamera({-1, 1, 3}, {0, 0, 0}, {0, 1, 0}, 50, false);
   const auto photons = [](JobRequest& request) {
     request.integrator = Integrator::kPhoton;
-    request.options.photons.indirect = 3000;
-    request.options.photons.gather = 0;
+    request.options.of<PhotonOptions>().indirect = 3000;
+    request.options.of<PhotonOptions>().gather = 0;
   };
   const Layers a = Render(Resolved(scene, InstanceUse::kCopy), 4, photons);
   const Layers b = Render(Resolved(scene, InstanceUse::kShare), 4, photons);

@@ -228,7 +228,7 @@ TEST(IrradianceCache, CaveIsAsBrightAsItsSeries) {
   for (const std::uint32_t depth : {1u, 2u, 5u}) {
     JobRequest request = Request(16, 16, 16);
     request.max_depth = depth;
-    request.options.irradiance_cache = {.accuracy = 0.3f, .rays = 512};
+    request.options.of<IrradianceCacheOptions>() = {.accuracy = 0.3f, .rays = 512};
     const Image picture = Render(ShiningCave(), request);
     double sum[3] = {}, worst = 0;
     for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
@@ -286,7 +286,7 @@ TEST(IrradianceCache, BentNormalsSeeNothingBelowTheirTriangle) {
 TEST(IrradianceCache, GradientsChangeARecordOnlySlightly) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kLamp | kEnvironment);
   JobRequest request = Request(24, 18, 4);
-  request.options.irradiance_cache = {.accuracy = 0.2f, .rays = 64};
+  request.options.of<IrradianceCacheOptions>() = {.accuracy = 0.2f, .rays = 64};
   const std::vector<IrradianceRecord> records = RecordsOf(RenderJob(scene, request));
   ASSERT_GT(records.size(), 20u);
   const auto luminance = [](double r, double g, double b) {
@@ -319,7 +319,7 @@ TEST(IrradianceCache, RecordsAreIndependent) {
   scene.camera = LookAtCamera({0, 0.3f, 0}, {0, 0, 0}, {0, 0, 1}, 30, false);
   JobRequest request = Request(64, 64, 1);
   request.max_depth = 2;
-  request.options.irradiance_cache = {.accuracy = 1e-4f, .rays = 16};
+  request.options.of<IrradianceCacheOptions>() = {.accuracy = 1e-4f, .rays = 16};
   const std::vector<IrradianceRecord> records = RecordsOf(RenderJob(scene, request));
   Moments irradiance;
   for (const IrradianceRecord& r : records) irradiance.Add(double(r.irradiance[1]));
@@ -333,7 +333,7 @@ TEST(IrradianceCache, RecordsAreIndependent) {
 TEST(IrradianceCache, PartsOfAFilmEqualTheWhole) {
   const Scene scene = MattRoom(Of(BsdfKind::kMirror), kLamp | kEnvironment);
   JobRequest request = Request(37, 29, 3);
-  request.options.irradiance_cache.rays = 30;
+  request.options.of<IrradianceCacheOptions>().rays = 30;
   const Image whole = Render(scene, request);
   request.crop = CropWindow{9, 7, 12, 9};
   request.options.threads = 1, request.options.wave = 64;

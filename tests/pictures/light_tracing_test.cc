@@ -194,7 +194,7 @@ TEST(LightTracing, MatchesPathTracingUnderACoarseMapBehindGlass) {
   scene.camera = LookAtCamera({0, 0.9f, 0.2f}, {0, 0, 0}, {0, 1, 0}, 50, false);
   const JobRequest request = Request(6, 96);
   JobRequest split = request;
-  split.options.split = 4;
+  split.options.bsdf_samples = 4;
   const PictureEstimate light = Estimate(scene, request, Integrator::kLight);
   EXPECT_TRUE(SamePicture(light, Estimate(scene, request, Integrator::kPath), kLevel));
   EXPECT_TRUE(SamePicture(light, Estimate(scene, split, Integrator::kPath), kLevel));

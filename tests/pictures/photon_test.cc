@@ -22,6 +22,8 @@
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/option_names.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -33,8 +35,8 @@ JobRequest Request(int width, int height, std::uint32_t samples, std::uint32_t m
   JobRequest request = SmallRequest(width, height, samples);
   request.integrator = Integrator::kPhoton;
   request.max_depth = max_depth;
-  request.options.photons.indirect = 40000;
-  request.options.photons.caustic = 20000;
+  request.options.of<PhotonOptions>().indirect = 40000;
+  request.options.of<PhotonOptions>().caustic = 20000;
   return request;
 }
 
@@ -78,9 +80,9 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
     for (const std::uint32_t depth : {1u, 5u}) {
       SCOPED_TRACE(std::string(test.name) + ", depth " + std::to_string(depth));
       JobRequest request = Request(10, 10, 16, depth);
-      request.options.photons.gather = test.gather;
-      request.options.photons.passes = test.passes;
-      request.options.photons.kernel = test.kernel;
+      request.options.of<PhotonOptions>().gather = test.gather;
+      request.options.of<PhotonOptions>().passes = test.passes;
+      request.options.of<PhotonOptions>().kernel = test.kernel;
       const RenderJob job(ShiningCave(), request);
       const std::array<double, 3> mean = MeanOf(Render(job));
       for (int c = 0; c < 3; ++c) {
@@ -110,10 +112,10 @@ void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, d
   for (const std::uint32_t gather : {0u, 1u}) {
     for (const std::uint32_t passes : {1u, 4u}) {
       JobRequest request = Request(side, side, 16, 4);
-      request.options.photons.gather = gather;
-      request.options.photons.passes = passes;
-      request.options.photons.neighbors = neighbors;
-      request.options.photons.indirect = 60000;
+      request.options.of<PhotonOptions>().gather = gather;
+      request.options.of<PhotonOptions>().passes = passes;
+      request.options.of<PhotonOptions>().neighbors = neighbors;
+      request.options.of<PhotonOptions>().indirect = 60000;
       const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
       for (int c = 0; c < 3; ++c) {
         const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
@@ -142,11 +144,11 @@ TEST(Photon, LightBehindASurfaceDoesNotLeak) {
 // leaves the lights times the albedo of each previous surface.
 TEST(Photon, MapsHoldTheFluxOfTheLights) {
   JobRequest request = Request(8, 8, 1, 4);
-  request.options.photons.gather = 1;  // direct light too
+  request.options.of<PhotonOptions>().gather = 1;  // direct light too
   const RenderJob job(ShiningCave(), request);
   const PhotonMaps maps = MapsOf(job);
-  EXPECT_GE(maps.indirect.size(), request.options.photons.indirect);
-  EXPECT_LT(maps.indirect.size(), request.options.photons.indirect + 4);
+  EXPECT_GE(maps.indirect.size(), request.options.of<PhotonOptions>().indirect);
+  EXPECT_LT(maps.indirect.size(), request.options.of<PhotonOptions>().indirect + 4);
   double area = 0;
   const Geometry& geometry = job.geometry();
   for (std::size_t i = 0; i < geometry.triangle_count(); ++i) {
@@ -177,7 +179,7 @@ TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(8, 8, 1, 6);
   for (const std::uint32_t gather : {0u, 1u}) {
-    request.options.photons.gather = gather;
+    request.options.of<PhotonOptions>().gather = gather;
     const PhotonMaps maps = MapsOf(RenderJob(scene, request));
     ASSERT_GT(maps.caustic.size(), 1000u);
     EXPECT_EQ(FluxOf(maps.caustic, 0, 1), 0) << "direct light is no caustic";
@@ -209,7 +211,7 @@ TEST(Photon, EachPhotonIsInOneMapOnly) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(8, 8, 1, 6);
-  request.options.photons.gather = 0;
+  request.options.of<PhotonOptions>().gather = 0;
   const PhotonMaps maps = MapsOf(RenderJob(scene, request));
   const auto caustic = PlacesOf(maps.caustic), indirect = PlacesOf(maps.indirect);
   ASSERT_GT(caustic.size(), 1000u);
@@ -220,8 +222,8 @@ TEST(Photon, EachPhotonIsInOneMapOnly) {
 // The mean of all passes only converges if each of them has new photons.
 TEST(Photon, PassesHavePhotonsOfTheirOwn) {
   JobRequest request = Request(8, 8, 4, 3);
-  request.options.photons.indirect = 2000;
-  request.options.photons.passes = 4;
+  request.options.of<PhotonOptions>().indirect = 2000;
+  request.options.of<PhotonOptions>().passes = 4;
   const RenderJob job(ShiningCave(), request);
   const FrameView frame = job.frame();
   WorkerPool pool = TwoThreads(frame);
@@ -240,8 +242,8 @@ TEST(Photon, PassesHavePhotonsOfTheirOwn) {
 TEST(Photon, RadiiShrinkByTheFormula) {
   for (const float alpha : {0.3f, 2.0f / 3, 0.9f}) {
     JobRequest request = Request(8, 8, 400, 3);
-    request.options.photons.passes = 200;
-    request.options.photons.alpha = alpha;
+    request.options.of<PhotonOptions>().passes = 200;
+    request.options.of<PhotonOptions>().alpha = alpha;
     const RenderJob job(ShiningCave(), request);
     const std::vector<PhotonPass> passes = PhotonPasses(job.options());
     ASSERT_EQ(passes.size(), 200u);
@@ -260,10 +262,11 @@ TEST(Photon, ThreadsAndWavesDoNotMatter) {
   for (const std::uint32_t passes : {1u, 3u}) {
     for (const std::uint32_t gather : {0u, 2u}) {
       JobRequest request = Request(13, 11, 5, 6);
-      request.options.photons.indirect = request.options.photons.caustic = 3000;
-      request.options.photons.passes = passes;
-      request.options.photons.gather = gather;
-      request.options.guide = passes > 1;
+      request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic =
+          3000;
+      request.options.of<PhotonOptions>().passes = passes;
+      request.options.of<PhotonOptions>().gather = gather;
+      request.options.of<GuideOptions>().guide = passes > 1;
       const RenderJob job(scene, request);
       ExpectSameBits(job);
     }
@@ -347,9 +350,9 @@ double PhotonsOverPaths(const Scene& scene, const JobRequest& request) {
 // longer rays.
 TEST(Photon, ShortRaysOfAGatherContinue) {
   JobRequest request = Request(8, 8, 256, 6);
-  request.options.photons.indirect = 20000;
-  request.options.photons.neighbors = 10000;
-  request.options.photons.distance = 0.4f;
+  request.options.of<PhotonOptions>().indirect = 20000;
+  request.options.of<PhotonOptions>().neighbors = 10000;
+  request.options.of<PhotonOptions>().distance = 0.4f;
   for (const float y : {-0.15f, -0.3f}) {
     EXPECT_NEAR(PhotonsOverPaths(Slot(y), request), 1, 0.04) << y;
   }
@@ -363,9 +366,9 @@ TEST(Photon, ShortRaysOfAGatherSeeCaustics) {
   scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
   Place(scene, Quad(1), pane, glm::vec3(0));
   JobRequest request = Request(8, 8, 256, 6);
-  request.options.photons.indirect = 20000;
-  request.options.photons.caustic = 200000;
-  request.options.photons.neighbors = 1000;
+  request.options.of<PhotonOptions>().indirect = 20000;
+  request.options.of<PhotonOptions>().caustic = 200000;
+  request.options.of<PhotonOptions>().neighbors = 1000;
   EXPECT_NEAR(PhotonsOverPaths(scene, request), 1, 0.1);
 }
 
@@ -378,9 +381,9 @@ TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
     for (const std::uint32_t photons : {500u, 8000u, 128000u}) {
       SCOPED_TRACE("gather " + std::to_string(gather) + ", photons " + std::to_string(photons));
       JobRequest request = Request(kSide, kSide, 256, 5);
-      request.options.photons.gather = gather;
-      request.options.photons.indirect = photons;
-      request.options.photons.caustic = photons / 4;
+      request.options.of<PhotonOptions>().gather = gather;
+      request.options.of<PhotonOptions>().indirect = photons;
+      request.options.of<PhotonOptions>().caustic = photons / 4;
       const double difference = Difference(Render(RenderJob(scene, request)), reference);
       std::printf("gather %u, %6u photons: %.4f\n", gather, photons, difference);
       if (before > 0) {
@@ -399,11 +402,11 @@ TEST(Photon, ProgressiveRadiiFitWhatPixelsSee) {
   for (glm::vec3& p : floor.positions) p.y -= 0.01f;
   Place(scene, floor, 0, glm::vec3(0));
   JobRequest request = Request(160, 120, 8, 4);
-  request.options.photons.indirect = 100000;
+  request.options.of<PhotonOptions>().indirect = 100000;
   const std::array<double, 3> expected = MeanOf(PathTraced(scene, request, 64));
-  request.options.photons.passes = 8;
+  request.options.of<PhotonOptions>().passes = 8;
   for (const std::uint32_t gather : {0u, 1u}) {
-    request.options.photons.gather = gather;
+    request.options.of<PhotonOptions>().gather = gather;
     const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(mean[c] / expected[c], 1, 0.01) << "gather " << gather;
@@ -417,8 +420,8 @@ TEST(Photon, PartsHaveTheRadiusOfTheWhole) {
     SCOPED_TRACE(ToString(kind));
     const auto radius = [&](const std::optional<CropWindow>& crop) {
       JobRequest request = Request(96, 64, 2, 3);
-      request.options.photons.indirect = 500;
-      request.options.photons.passes = 2;
+      request.options.of<PhotonOptions>().indirect = 500;
+      request.options.of<PhotonOptions>().passes = 2;
       request.camera.kind = kind;
       request.crop = crop;
       const RenderJob job(scene, request);
@@ -436,11 +439,11 @@ TEST(Photon, ProgressivePassesConverge) {
   for (const std::uint32_t passes : {2u, 16u, 128u}) {
     SCOPED_TRACE(passes);
     JobRequest request = Request(kSide, kSide, 4 * passes, 5);
-    request.options.photons.gather = 0;
-    request.options.photons.indirect = 2000;
-    request.options.photons.caustic = 500;
-    request.options.photons.passes = passes;
-    request.options.photons.distance = 0.4f;
+    request.options.of<PhotonOptions>().gather = 0;
+    request.options.of<PhotonOptions>().indirect = 2000;
+    request.options.of<PhotonOptions>().caustic = 500;
+    request.options.of<PhotonOptions>().passes = passes;
+    request.options.of<PhotonOptions>().distance = 0.4f;
     const double difference = Difference(Render(RenderJob(scene, request)), reference);
     std::printf("%3u passes: %.4f\n", passes, difference);
     if (before > 0) {
@@ -456,10 +459,10 @@ TEST(Photon, RefusesImpossibleRequests) {
   ExpectRefused(scene, Request(4, 4, 1, 3), "nothing shines");
   SetConstantLight(scene, 1);
   JobRequest none = Request(4, 4, 1, 3);
-  none.options.photons.indirect = none.options.photons.caustic = 0;
+  none.options.of<PhotonOptions>().indirect = none.options.of<PhotonOptions>().caustic = 0;
   ExpectRefused(scene, none, "needs photons");
   JobRequest passes = Request(4, 4, 3, 3);
-  passes.options.photons.passes = 4;
+  passes.options.of<PhotonOptions>().passes = 4;
   ExpectRefused(scene, passes, "spp");
   JobRequest layers = Request(4, 4, 1, 3);
   layers.options.aovs = *ParseAovs("direct");
@@ -471,7 +474,7 @@ TEST(Photon, TakesEveryStrategyForDirectLight) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(32, 16, 2, 0.3));
   JobRequest request = Request(8, 6, 256, 4);
-  request.options.photons.indirect = request.options.photons.caustic = 5000;
+  request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 5000;
   const std::array<double, 3> expected = MeanOf(Render(RenderJob(scene, request)));
   for (const char* const strategy : {"product", "ris", "cosine"}) {
     SCOPED_TRACE(strategy);
@@ -487,8 +490,8 @@ TEST(Photon, EndsWithoutPhotons) {
   Place(scene, Sphere(1, 8), AddLambert(scene, "ball", glm::vec3(0.5f)), glm::vec3(0));
   SetConstantLight(scene, 1);
   JobRequest request = Request(8, 8, 4, 5);
-  request.options.photons.indirect = 1000;
-  request.options.photons.gather = 0;
+  request.options.of<PhotonOptions>().indirect = 1000;
+  request.options.of<PhotonOptions>().gather = 0;
   const RenderJob job(scene, request);
   const PhotonMaps maps = MapsOf(job);
   EXPECT_EQ(maps.indirect.size(), 0u);

@@ -20,7 +20,10 @@
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/passes/merging_pass.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
+#include "wavefront/stages/bidirectional.h"
 
 namespace skywave {
 namespace {
@@ -35,8 +38,8 @@ JobRequest Request(std::uint32_t max_depth, float radius) {
   JobRequest request = SmallRequest(24, 18, 32);
   request.integrator = Integrator::kVcm;
   request.max_depth = max_depth;
-  request.options.photons.distance = radius;
-  request.options.photons.passes = 1;
+  request.options.of<PhotonOptions>().distance = radius;
+  request.options.of<PhotonOptions>().passes = 1;
   return request;
 }
 constexpr float kSmallRadius = 0.02f;
@@ -86,7 +89,7 @@ TEST(Vcm, TheRadiusFitsWhatPixelsSee) {
   JobRequest request = Request(4, 0);
   request.width = 640, request.height = 480;
   request.crop = CropWindow{300, 220, 24, 24};
-  request.options.photons.passes = 0;
+  request.options.of<PhotonOptions>().passes = 0;
   EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
 }
 
@@ -124,7 +127,7 @@ TEST(Vcm, WithoutARadiusItEqualsBdpt) {
 // connection.
 Image MergesOf(const RenderJob& job, bool weighted) {
   FrameView frame = job.frame();
-  frame.options.subpath_lengths = SubpathLengths{.light = 0, .eye = 1000};
+  frame.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 0, .eye = 1000};
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
   RenderFrame(frame, film);
@@ -137,7 +140,7 @@ TEST(Vcm, MergesAloneFindAPathAtEachOfItsSurfaces) {
   for (const std::uint32_t depth : {1u, 3u}) {
     for (const PhotonKernel kernel : {PhotonKernel::kConstant, PhotonKernel::kEpanechnikov}) {
       JobRequest request = Request(depth, 0.05f);
-      request.options.photons.kernel = kernel;
+      request.options.of<PhotonOptions>().kernel = kernel;
       request.camera.kind = CameraKind::kEqualArea;  // shows all of the cave
       request.width = request.height = 24;
       const RenderJob job(ShiningCave(), request);
@@ -157,7 +160,7 @@ TEST(Vcm, MergesAloneFindAPathAtEachOfItsSurfaces) {
 TEST(Vcm, CaveIsAsBrightAsItsSeries) {
   for (const float radius : {0.05f, 0.2f}) {
     JobRequest request = Request(5, radius);
-    request.options.photons.passes = 0;
+    request.options.of<PhotonOptions>().passes = 0;
     const RenderJob job(ShiningCave(), request);
     const Image picture = Render(job);
     for (int c = 0; c < 3; ++c) {
@@ -196,7 +199,7 @@ TEST(Vcm, CausticsAreSeenInMirrors) {
   request.samples_per_pixel = 128;
   const double vcm = mean(Integrator::kVcm), bdpt = mean(Integrator::kBdpt);
   request.samples_per_pixel = 8;
-  request.options.photons.gather = 0;
+  request.options.of<PhotonOptions>().gather = 0;
   const double photon = mean(Integrator::kPhoton);
   std::printf("vcm %.4f, photon %.4f, bdpt %.4f\n", vcm, photon, bdpt);
   EXPECT_NEAR(vcm / photon, 1, 0.02);
@@ -210,7 +213,7 @@ TEST(Vcm, RadiusIsHalfOfTheDistanceToTheNeighbors) {
     for (const std::uint32_t neighbors : {50u, 200u}) {  // smaller than what pixels see
       JobRequest request = Request(1, 0);
       request.samples_per_pixel = samples;
-      request.options.photons.neighbors = neighbors;
+      request.options.of<PhotonOptions>().neighbors = neighbors;
       const RenderJob job(ShiningCave(), request);
       const FrameView frame = job.frame();
       WorkerPool pool = TwoThreads(frame);
@@ -232,7 +235,7 @@ TEST(Vcm, TheRadiusOfTheLastPassFollowsTheFormula) {
   for (const std::uint32_t passes : {1u, 16u}) {
     JobRequest request = Request(2, float(kFirst));
     request.samples_per_pixel = passes;
-    request.options.photons.passes = 0;
+    request.options.of<PhotonOptions>().passes = 0;
     const RenderJob job(ShiningCave(), request);
     const FrameView frame = job.frame();
     WorkerPool pool = TwoThreads(frame);
@@ -249,7 +252,7 @@ TEST(Vcm, PassesDoNotDependOnTheFirstSample) {
   const auto passes_of = [](std::uint32_t first, std::uint32_t end) {
     RenderOptions options;
     options.integrator = Integrator::kVcm;
-    options.photons.passes = 0;
+    options.of<PhotonOptions>().passes = 0;
     options.picture_samples = {first, end};
     return PhotonPasses(options);
   };
@@ -273,7 +276,7 @@ TEST(Vcm, PassesConverge) {
   request.options.seed = 77;
   const Image reference = Render(RenderJob(scene, request));
   request = Request(4, 1.0f);
-  request.options.photons.passes = 0;
+  request.options.of<PhotonOptions>().passes = 0;
   double before = 0;
   for (const std::uint32_t passes : {2u, 16u, 128u}) {
     request.samples_per_pixel = passes;
@@ -296,9 +299,9 @@ TEST(Vcm, ThreadsAndWavesDoNotMatter) {
   for (const std::uint32_t passes : {0u, 1u, 3u}) {
     JobRequest request = Request(4, 0);
     request.samples_per_pixel = 5;
-    request.options.photons.passes = passes;
-    request.options.photons.indirect = 500;
-    request.options.guide = passes != 1;
+    request.options.of<PhotonOptions>().passes = passes;
+    request.options.of<PhotonOptions>().indirect = 500;
+    request.options.of<GuideOptions>().guide = passes != 1;
     const RenderJob job(scene, request);
     ExpectSameBits(job);
   }
@@ -309,9 +312,9 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
   const auto vertices = [&](std::uint32_t photons) {
     JobRequest request = Request(4, 0);
     request.samples_per_pixel = 4;
-    request.options.photons.passes = 0;
-    request.options.photons.indirect = photons;
-    request.options.photons.neighbors = 3;
+    request.options.of<PhotonOptions>().passes = 0;
+    request.options.of<PhotonOptions>().indirect = photons;
+    request.options.of<PhotonOptions>().neighbors = 3;
     const RenderJob job(scene, request);
     Film film = job.MakeFilm();
     return RenderFrame(job.frame(), film).photons;
@@ -332,11 +335,12 @@ TEST(Vcm, RefusesImpossibleRequests) {
   refused("no-mis", [](JobRequest& r) { r.options.mis = false; });
   refused("max-depth", [](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
   refused("cosine", [](JobRequest& r) { r.strategy = "cosine"; });
-  refused("paths",
-          [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2}; });
-  refused("photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
-  refused("spp", [](JobRequest& r) { r.options.photons.passes = 33; });
-  refused("photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });
+  refused("paths", [](JobRequest& r) {
+    r.options.of<ConnectionOptions>().shown = SubpathLengths{.light = 1, .eye = 2};
+  });
+  refused("photons 0", [](JobRequest& r) { r.options.of<PhotonOptions>().indirect = 0; });
+  refused("spp", [](JobRequest& r) { r.options.of<PhotonOptions>().passes = 33; });
+  refused("photon-distance", [](JobRequest& r) { r.options.of<PhotonOptions>().distance = 100; });
   refused("variance", [](JobRequest& r) { r.options.aovs = *ParseAovs("variance"); });
   Scene dark = MattRoom(Of(BsdfKind::kLambert), 0);
   SetConstantLight(dark, 0);

@@ -7,6 +7,8 @@
 #include "tests/support/rendered_image.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -16,7 +18,7 @@ JobRequest Request(int width, int height, std::uint32_t samples, float distance)
   JobRequest request = SmallRequest(width, height, samples);
   request.integrator = Integrator::kVpl;
   request.max_depth = 4;
-  request.options.virtual_lights = {.count = 16, .distance = distance};
+  request.options.of<VirtualLightOptions>() = {.count = 16, .distance = distance};
   return request;
 }
 
@@ -107,7 +109,7 @@ TEST(Vpl, BoundDarkensCornersAndBrightensNothing) {
 TEST(Vpl, PartsOfAFilmEqualTheWhole) {
   const Scene scene = MattRoom(Of(BsdfKind::kMirror), kLamp | kEnvironment);
   JobRequest request = Request(37, 29, 3, -1);
-  request.options.guide = true;
+  request.options.of<GuideOptions>().guide = true;
   const Image whole = Render(scene, request);
   request.crop = CropWindow{9, 7, 12, 9};
   request.options.threads = 1, request.options.wave = 64;

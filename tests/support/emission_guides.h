@@ -9,12 +9,13 @@ namespace skywave {
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
   const RenderOptions& options = frame.options;
-  if (!options.guide || !Describe(options.integrator).has_light_paths() || !frame.has_environment())
+  if (!options.of<GuideOptions>().guide || !Describe(options.integrator).has_light_paths() ||
+      !frame.has_environment())
     return guide;
   RenderOptions on_threads = options;
   on_threads.threads = threads;
   WorkerPool pool(on_threads);
-  GuideCounts counts;
+  PilotCounts counts;
   pool.Run([&] { guide = LearnEmission(frame, pool, counts); });
   return guide;
 }

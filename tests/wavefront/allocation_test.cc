@@ -14,6 +14,9 @@
 #include "tests/support/photon_maps.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/shade_points.h"
+#include "wavefront/records/irradiance_cache.h"
+#include "wavefront/records/photon_map.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/render.h"
 
 namespace {
@@ -93,9 +96,9 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
   SCOPED_TRACE(ToString(integrator));
   const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
   FrameView frame = job.frame(method);
-  frame.options.split = split;
+  frame.options.bsdf_samples = split;
   frame.options.wave = 600;  // the last wave is smaller
-  frame.options.photons.passes = 1;
+  frame.options.of<PhotonOptions>().passes = 1;
   Film film = job.MakeFilm(integrator);
   const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
   const Tile tile = {0, 0, 32, 24};
@@ -124,9 +127,10 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
-    request.options.photons.indirect = request.options.photons.caustic = 1000;
-    request.options.virtual_lights.count = 3;
-    request.options.irradiance_cache = {.accuracy = 0.8f, .rays = 4};
+    request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic =
+        1000;
+    request.options.of<VirtualLightOptions>().count = 3;
+    request.options.of<IrradianceCacheOptions>() = {.accuracy = 0.8f, .rays = 4};
     const RenderJob job(scene, request);
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);

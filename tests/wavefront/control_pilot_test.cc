@@ -34,18 +34,18 @@ JobRequest Request(ControlVariate control, Integrator integrator = Integrator::k
   JobRequest request = SmallRequest(32, 24, 16);
   request.integrator = integrator;
   request.max_depth = 3;
-  request.options.control = control;
+  request.options.of<ControlOptions>().control = control;
   return request;
 }
 
 // Returns the weights that a frame learns, and whether it still has a control.
-std::pair<ControlWeights, bool> Learn(const RenderJob& job) {
+std::pair<std::unique_ptr<ControlWeights>, bool> Learn(const RenderJob& job) {
   FrameView frame = job.frame();
   WorkerPool pool(frame.options);
-  GuideCounts counts;
-  ControlWeights weights = LearnControl(pool, frame, counts);
+  PilotCounts counts;
+  std::unique_ptr<ControlWeights> weights = LearnControl(pool, frame, counts);
   EXPECT_EQ(pool.stats().samples, 0u);
-  return {std::move(weights), frame.controls()};
+  return {std::move(weights), frame.find<ControlView>() != nullptr};
 }
 
 double TotalVariance(const PictureEstimate& estimate) {
@@ -55,7 +55,7 @@ double TotalVariance(const PictureEstimate& estimate) {
 TEST(ControlPilot, WeightsFollowWhatIsHidden) {
   const auto [court, court_has] = Learn(RenderJob(Court(), Request(ControlVariate::kIrradiance)));
   EXPECT_TRUE(court_has);
-  const auto [least, most] = std::minmax_element(court.of_places.begin(), court.of_places.end());
+  const auto [least, most] = std::minmax_element(court->of_places.begin(), court->of_places.end());
   EXPECT_GE(*least, 0);
   EXPECT_LT(*least, 0.9f);
   EXPECT_GT(*most, 0.3f);

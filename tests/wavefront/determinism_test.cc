@@ -19,6 +19,10 @@
 #include "tests/support/shade_points.h"
 #include "tests/support/targets.h"
 #include "wavefront/flush_denormals.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/irradiance_cache.h"
+#include "wavefront/records/photon_map.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/render.h"
 #include "wavefront/worker.h"
 
@@ -50,11 +54,11 @@ const RenderJob& Job(const Case& test) {
   request.integrator = test.integrator;
   request.options.light_samples = 3;
   request.max_depth = 8;
-  request.options.photons.indirect = request.options.photons.caustic = 3000;
-  request.options.photons.gather = 2;
-  request.options.virtual_lights.count = 6;
-  request.options.irradiance_cache = {.accuracy = 0.5f, .rays = 12};
-  request.options.guide = true;
+  request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 3000;
+  request.options.of<PhotonOptions>().gather = 2;
+  request.options.of<VirtualLightOptions>().count = 6;
+  request.options.of<IrradianceCacheOptions>() = {.accuracy = 0.5f, .rays = 12};
+  request.options.of<GuideOptions>().guide = true;
   return *jobs.emplace_back(name, std::make_unique<RenderJob>(SceneOf(test), request)).second;
 }
 
@@ -100,7 +104,7 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   Film film = job().MakeFilm();
   FrameView learnt = job().frame();
   const EmissionGuide guide = GuideFor(learnt);
-  if (!guide.empty()) learnt.guide = &guide;
+  if (!guide.empty()) learnt.Show(&guide);
   EachPassOf(learnt, [&](const FrameView& frame) {
     const std::uint32_t samples = frame.options.samples_per_pixel;
     const std::vector<Tile> tiles =
@@ -180,7 +184,7 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
       if (Describe(integrator).has_light_paths() && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
-      request.options.virtual_lights.count = 3;
+      request.options.of<VirtualLightOptions>().count = 3;
       const RenderJob job(scene, request);
       const std::vector<std::uint64_t> reference = Render(job.frame(), job).sums;
       ForEachTarget([&] { EXPECT_EQ(Render(job.frame(), job).sums, reference); });

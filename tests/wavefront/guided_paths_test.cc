@@ -13,6 +13,7 @@
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
 #include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 #include "wavefront/stages/light_stages.h"
 
@@ -42,7 +43,7 @@ JobRequest Request(Integrator integrator, std::uint32_t samples = 32) {
   JobRequest request = SmallRequest(32, 24, samples);
   request.integrator = integrator;
   request.max_depth = 4;
-  request.options.guide = true;
+  request.options.of<GuideOptions>().guide = true;
   return request;
 }
 
@@ -81,12 +82,12 @@ TEST(LearnEmission, LeavesStatisticsToTheFrame) {
   std::uint64_t camera_rays[2];
   for (const bool guided : {false, true}) {
     FrameView frame = job.frame();
-    frame.options.guide = guided;
+    frame.options.of<GuideOptions>().guide = guided;
     Film film = job.MakeFilm();
     const FrameResult result = RenderFrame(frame, film);
     camera_rays[guided] = result.stats.rays[0];
-    EXPECT_EQ(result.guide.paths > 0, guided);
-    EXPECT_EQ(result.guide.samples > 0, guided);
+    EXPECT_EQ(result.pilots.of("guide").paths > 0, guided);
+    EXPECT_EQ(result.pilots.of("guide").samples > 0, guided);
     EXPECT_EQ(result.stats.samples, 32u * 24 * 2);
   }
   EXPECT_EQ(camera_rays[0], camera_rays[1]);
@@ -116,9 +117,9 @@ TEST(LearnEmission, AcceptsScenesWithoutGuideSamples) {
 // Returns the fraction of a picture's light paths that enter the hut.
 double ShareInside(const RenderJob& job, const EmissionGuide* guide) {
   FrameView frame = job.frame();
-  frame.guide = guide;
+  frame.Show<EmissionGuide>(guide);
   Worker worker(2048);
-  worker.light.emplace(2048);
+  worker.tables.Add<LightPathTables>(2048);
   StageClock clock(worker.stats);
   StartLightPaths(frame.options, 0, 2048, worker.paths);
   EmitRays(frame, 2048, worker.rays[0], worker, clock);
@@ -159,9 +160,9 @@ TEST(GuidedRays, CarryThePowerOfAllLights) {
       for (std::uint32_t seed = 0; seed < 60; ++seed) {
         FrameView frame = job.frame();
         frame.options.seed = seed;
-        if (guided) frame.guide = &guide;
+        if (guided) frame.Show<EmissionGuide>(&guide);
         Worker worker(2048);
-        worker.light.emplace(2048);
+        worker.tables.Add<LightPathTables>(2048);
         StageClock clock(worker.stats);
         StartLightPaths(frame.options, guided ? 100000 : 0, 2048, worker.paths);
         EmitRays(frame, 2048, worker.rays[0], worker, clock);
@@ -187,10 +188,10 @@ TEST(GuidedRays, HaveTheDensityThatTheOtherEndComputes) {
     const RenderJob job(Hut(), request);
     const EmissionGuide guide = GuideFor(job.frame());
     FrameView frame = job.frame();
-    frame.guide = &guide;
+    frame.Show<EmissionGuide>(&guide);
     const std::uint32_t n = 2000;
     Worker w(2048);
-    w.light.emplace(2048);
+    w.tables.Add<LightPathTables>(2048);
     StageClock clock(w.stats);
     StartLightPaths(frame.options, 0, n, w.paths);
     EmitRays(frame, n, w.rays[0], w, clock);
@@ -216,8 +217,8 @@ TEST(GuidedRays, HaveTheDensityThatTheOtherEndComputes) {
     for (std::uint32_t i = 0; i < n; ++i) {
       const double light_pdf = directional ? 1 : double(seen.light_pdf[i]);
       const double pdf = light_pdf * double(arrival[i]);
-      off += !(std::fabs(double(w.light->emission->pdf[i]) - pdf) < 1e-4 * pdf);
-      ASSERT_NEAR(w.light->emission->light_pdf[i], light_pdf, 1e-4 * light_pdf);
+      off += !(std::fabs(double(w.of<LightPathTables>().emission->pdf[i]) - pdf) < 1e-4 * pdf);
+      ASSERT_NEAR(w.of<LightPathTables>().emission->light_pdf[i], light_pdf, 1e-4 * light_pdf);
     }
     // A few float positions fall on the other side of a cut.
     EXPECT_LT(off, n / 200);
@@ -228,7 +229,7 @@ PictureEstimate Estimate(const Scene& scene, Integrator integrator, bool guided,
                          std::uint32_t samples, bool lens = false) {
   JobRequest request = Request(integrator, samples);
   if (lens) request.camera.lens_radius = 0.05f;
-  request.options.guide = guided;
+  request.options.of<GuideOptions>().guide = guided;
   const RenderJob job(scene, request);
   return EstimateFromEngine(job, runs, 300 + 100 * std::uint32_t(integrator) + guided);
 }
@@ -275,10 +276,10 @@ TEST(GuidedPictures, ConvergeToPathTracingByPassesOfPhotons) {
     JobRequest request = Request(Integrator::kPhoton, 8 * passes);
     // Whole disks of a final gather must not extend under the walls to the sunlit ground, where
     // guided photons are few and bright.
-    request.options.photons = {.indirect = 8000,
-                               .distance = gather > 0 ? 0.09f : 0.3f,
-                               .gather = gather,
-                               .passes = passes};
+    request.options.of<PhotonOptions>() = {.indirect = 8000,
+                                           .distance = gather > 0 ? 0.09f : 0.3f,
+                                           .gather = gather,
+                                           .passes = passes};
     return RelativeDifference(estimate(request, 1), paths);
   };
   for (const std::uint32_t gather : {0u, 1u}) {
@@ -293,8 +294,8 @@ TEST(GuidedPictures, ConvergeToPathTracingByPassesOfPhotons) {
 TEST(GuidedPictures, MatchPathTracingWithMergedVertices) {
   constexpr int kRuns = 12;
   JobRequest request = Request(Integrator::kVcm, 24);
-  request.options.photons.distance = 0.03f;
-  request.options.photons.passes = 1;
+  request.options.of<PhotonOptions>().distance = 0.03f;
+  request.options.of<PhotonOptions>().passes = 1;
   EXPECT_TRUE(SameAsPaths(Hut(), request, kRuns, SidakLevel(8)));
 }
 

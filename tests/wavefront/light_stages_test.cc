@@ -59,7 +59,7 @@ JobRequest Request() {
 
 struct LightWave {
   LightWave(const FrameView& frame, std::uint64_t first, std::uint32_t n) : worker(kWave) {
-    worker.light.emplace(kWave);
+    worker.tables.Add<LightPathTables>(kWave);
     StageClock clock(worker.stats);
     StartLightPaths(frame.options, first, n, worker.paths);
     EmitRays(frame, n, worker.rays[0], worker, clock);
@@ -148,7 +148,7 @@ TEST(StartLightPaths, NumbersThePathsOfTheFrame) {
   const FrameView frame = job.frame();
   const LightWave whole(frame, 1000, 300), part(frame, 1017, 200);
   const auto bits = [](const LightWave& wave, std::uint32_t begin, std::uint32_t n) {
-    auto of = ColumnBits(Slice(wave.worker.light->emission.columns(), begin), n);
+    auto of = ColumnBits(Slice(wave.worker.of<LightPathTables>().emission.columns(), begin), n);
     const RayColumns rays = Slice(wave.worker.rays[0].columns(), begin);
     for (std::uint32_t i = 0; i < n; ++i) {
       for (const float f : {rays.org_x[i], rays.dir_y[i], rays.throughput_b[i], rays.pdf[i]}) {

@@ -8,7 +8,7 @@
 
 #include "tests/support/path_densities.h"
 #include "tests/support/targets.h"
-#include "wavefront/bidirectional_tables.h"
+#include "wavefront/stages/bidirectional_tables.h"
 
 namespace skywave {
 namespace {

@@ -12,7 +12,8 @@
 #include "tests/support/program.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
-#include "wavefront/option_checks.h"
+#include "wavefront/passes/photon_options.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -85,8 +86,9 @@ TEST(PhotonCollector, PassesKeepAtMostTheRequestedPhotons) {
       request.integrator = integrator;
       request.max_depth = kDepth;
       request.options.seed = seed;
-      request.options.photons.indirect = request.options.photons.caustic = 150;
-      request.options.photons.passes = 1;
+      request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic =
+          150;
+      request.options.of<PhotonOptions>().passes = 1;
       const RenderJob job(BuiltinScene("lamps"), request);
       Film film = job.MakeFilm();
       const PhotonCounts counts = RenderFrame(job.frame(), film).photons;
@@ -99,7 +101,7 @@ TEST(PhotonCollector, PassesKeepAtMostTheRequestedPhotons) {
 
 bool Refused(const RenderOptions& options, std::uint64_t memory) {
   try {
-    CheckPhotonMemory(options, memory);
+    CheckPhotonMemory(options, options.integrator == Integrator::kVcm, memory);
     return false;
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("photons"), std::string::npos) << error.what();
@@ -116,7 +118,7 @@ TEST(PhotonMemory, IsAsDocumented) {
 TEST(PhotonMemory, IsCheckedBeforehand) {
   RenderOptions options;
   options.integrator = Integrator::kPhoton;
-  options.photons.indirect = 900, options.photons.caustic = 100;
+  options.of<PhotonOptions>().indirect = 900, options.of<PhotonOptions>().caustic = 100;
   EXPECT_FALSE(Refused(options, 77000));
   EXPECT_TRUE(Refused(options, 76999));
   // A pass has no more vertices than its light paths have surfaces.
@@ -125,10 +127,10 @@ TEST(PhotonMemory, IsCheckedBeforehand) {
   options.width = 9, options.height = 5, options.max_depth = 4;
   EXPECT_FALSE(Refused(options, 12 * 6 * 4 * 93));
   EXPECT_TRUE(Refused(options, 12 * 6 * 4 * 93 - 1));
-  options.photons.indirect = 100;
+  options.of<PhotonOptions>().indirect = 100;
   EXPECT_FALSE(Refused(options, 9300));
   // The number of photons in a map is limited whatever the memory.
-  options.photons.indirect = kMostPhotons + 1;
+  options.of<PhotonOptions>().indirect = kMostPhotons + 1;
   EXPECT_TRUE(Refused(options, std::numeric_limits<std::uint64_t>::max()));
 }
 

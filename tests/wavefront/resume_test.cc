@@ -14,6 +14,9 @@
 
 #include "tests/support/painted_scene.h"
 #include "tests/support/render_scenes.h"
+#include "wavefront/policies/emission_pilot.h"
+#include "wavefront/records/photon_map.h"
+#include "wavefront/records/virtual_lights.h"
 #include "wavefront/render.h"
 #include "wavefront/worker.h"
 
@@ -45,7 +48,7 @@ RenderJob MakeJob(const Case& test) {
   request.integrator = test.integrator;
   request.max_depth = 4;
   request.options.aovs = *ParseAovs(test.layers);
-  request.options.photons.indirect = request.options.photons.caustic = 1000;
+  request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 1000;
   test.set(request);
   Scene scene = PaintedScene();
   scene.lights = {SlantingSpot(), SlantingSun()};
@@ -152,26 +155,27 @@ TEST_P(Resume, StepsDoNotMatter) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, Resume,
-    testing::Values(Case{"path", Integrator::kPath, "all", [](JobRequest&) {}},
-                    Case{"split", Integrator::kPath, kOfPaths,
-                         [](JobRequest& request) {
-                           request.options.split = 2;
-                           request.options.light_samples = 2;
-                         }},
-                    Case{"direct", Integrator::kDirect, "all",
-                         [](JobRequest& request) { request.options.light_samples = 3; }},
-                    Case{"light", Integrator::kLight, kOfHits, [](JobRequest&) {}},
-                    Case{"guided_light", Integrator::kLight, kOfHits,
-                         [](JobRequest& request) { request.options.guide = true; }},
-                    Case{"bdpt", Integrator::kBdpt, kOfHits, [](JobRequest&) {}},
-                    Case{"photon", Integrator::kPhoton, kOfPhotons, [](JobRequest&) {}},
-                    Case{"photon_passes", Integrator::kPhoton, kOfPhotons,
-                         [](JobRequest& request) { request.options.photons.passes = 3; }},
-                    Case{"vpl", Integrator::kVpl, kOfPhotons,
-                         [](JobRequest& request) { request.options.virtual_lights.count = 5; }},
-                    Case{"vcm", Integrator::kVcm, kOfHits, [](JobRequest&) {}},
-                    Case{"vcm_passes", Integrator::kVcm, kOfHits,
-                         [](JobRequest& request) { request.options.photons.passes = 2; }}),
+    testing::Values(
+        Case{"path", Integrator::kPath, "all", [](JobRequest&) {}},
+        Case{"split", Integrator::kPath, kOfPaths,
+             [](JobRequest& request) {
+               request.options.bsdf_samples = 2;
+               request.options.light_samples = 2;
+             }},
+        Case{"direct", Integrator::kDirect, "all",
+             [](JobRequest& request) { request.options.light_samples = 3; }},
+        Case{"light", Integrator::kLight, kOfHits, [](JobRequest&) {}},
+        Case{"guided_light", Integrator::kLight, kOfHits,
+             [](JobRequest& request) { request.options.of<GuideOptions>().guide = true; }},
+        Case{"bdpt", Integrator::kBdpt, kOfHits, [](JobRequest&) {}},
+        Case{"photon", Integrator::kPhoton, kOfPhotons, [](JobRequest&) {}},
+        Case{"photon_passes", Integrator::kPhoton, kOfPhotons,
+             [](JobRequest& request) { request.options.of<PhotonOptions>().passes = 3; }},
+        Case{"vpl", Integrator::kVpl, kOfPhotons,
+             [](JobRequest& request) { request.options.of<VirtualLightOptions>().count = 5; }},
+        Case{"vcm", Integrator::kVcm, kOfHits, [](JobRequest&) {}},
+        Case{"vcm_passes", Integrator::kVcm, kOfHits,
+             [](JobRequest& request) { request.options.of<PhotonOptions>().passes = 2; }}),
     [](const auto& test) { return std::string(test.param.name); });
 
 // Every camera ray hits a wall, so the layer coverage knows how many samples a pixel has.

@@ -21,6 +21,7 @@
 #include "tests/support/screens_scene.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/path.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 #include "wavefront/worker.h"
 
@@ -223,9 +224,9 @@ void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint3
   SCOPED_TRACE(testing::Message() << ToString(integrator) << ", split " << split);
   const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
   FrameView frame = job.frame(method);
-  frame.options.split = split;
+  frame.options.bsdf_samples = split;
   frame.options.wave = 200;  // the last wave is smaller
-  frame.options.photons.passes = 1;
+  frame.options.of<PhotonOptions>().passes = 1;
   const Tile tile = {0, 0, 16, 12};
   std::vector<std::uint64_t> sums[2];
   for (const bool garbage : {false, true}) {
@@ -236,7 +237,8 @@ void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint3
       const std::uint32_t rows = 16 * 12 * pass.options.samples_per_pixel;
       for (std::uint32_t first = 0; first < rows; first += 200) {
         if (garbage) FillTables(*worker);
-        if (garbage && worker->continuations) FillTables(worker->continuations->wave);
+        Continuations* const continuations = worker->tables.find<Continuations>();
+        if (garbage && continuations != nullptr) FillTables(continuations->wave);
         RenderWave(pass, {tile, first, std::min(200u, rows - first)}, *worker, film);
       }
     });
@@ -252,7 +254,8 @@ TEST(Waves, ReadNoValuesOfEarlierWaves) {
     JobRequest request = SmallRequest(16, 12, 4);
     request.max_depth = 6;
     request.options.light_samples = 2;
-    request.options.photons.indirect = request.options.photons.caustic = 1000;
+    request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic =
+        1000;
     request.integrator = Integrator::kVcm;
     const RenderJob job(scene == "screens" ? ScreensScene() : BuiltinScene(scene), request);
     ExpectSameInGarbage(job, Integrator::kPath);

@@ -15,6 +15,7 @@
 #include "tests/support/screens_scene.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -46,7 +47,7 @@ Scene Balls() {
 JobRequest Request(std::uint32_t split, std::uint32_t light_samples, std::uint32_t max_depth) {
   JobRequest request = SmallRequest(32, 24, kSamples);
   request.max_depth = max_depth;
-  request.options.split = split;
+  request.options.bsdf_samples = split;
   request.options.light_samples = light_samples;
   request.strategy = "importance:compensate=0";  // by default it depends on the light samples
   return request;

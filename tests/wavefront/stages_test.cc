@@ -7,11 +7,13 @@
 #include <array>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "kernels/camera.h"
 #include "kernels/sampler.h"
 #include "tests/support/render_scenes.h"
 #include "wavefront/render.h"
+#include "wavefront/stages/path_stages.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -85,25 +87,34 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
   const RenderJob job(scene, SmallRequest(4, 4, 4));
 
   constexpr std::uint32_t kRows = 40;
-  constexpr float kPoison = 2;
-  for (const BsdfKind kind : {BsdfKind::kConductor, BsdfKind::kDielectric}) {
+  constexpr std::pair<BsdfKind, std::uint32_t> kMaterials[] = {{BsdfKind::kConductor, 1},
+                                                               {BsdfKind::kDielectric, 3}};
+  for (const auto& [kind, material] : kMaterials) {
     SCOPED_TRACE(Bsdfs()[std::size_t(kind)].name);
     EXPECT_TRUE(Bsdfs()[std::size_t(kind)].lobed);
-    Worker worker(kRows);
-    const DirectionUniforms direction(worker.scratch);
-    const LobeUniforms lobe(worker.scratch);
-    SurfaceRanges ranges;
-    for (auto k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = kRows;
-    for (std::uint32_t i = 0; i < kRows; ++i) {
-      worker.paths->seed[i] = 17 * i, worker.paths->sample[i] = i;
-      worker.surfaces->path[i] = i;
-      worker.surfaces->material[i] = std::uint32_t(kind);
-      worker.surfaces->ns_y[i] = worker.surfaces->ng_y[i] = worker.surfaces->wo_y[i] = 1;
-      lobe->u[i] = lobe->v[i] = kPoison;
-    }
-    Scatter(job.frame(), kCameraEnd, worker.paths, worker.surfaces, ranges, 0, /*bounce=*/0,
-            direction, lobe, worker.rays[0]);
-    for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(lobe->u[i], 1.0f) << i;
+    const auto scatter = [&, kind = kind, material = material](float leftover) {
+      Worker worker(kRows);
+      SurfaceRanges ranges;
+      for (auto k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = kRows;
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        worker.paths->seed[i] = 17 * i, worker.paths->sample[i] = i;
+        worker.surfaces->path[i] = i;
+        worker.surfaces->material[i] = material;
+        worker.surfaces->ns_y[i] = worker.surfaces->ng_y[i] = worker.surfaces->wo_y[i] = 1;
+        for (float* column : {worker.surfaces->throughput_r, worker.surfaces->throughput_g,
+                              worker.surfaces->throughput_b, worker.surfaces->color_r,
+                              worker.surfaces->color_g, worker.surfaces->color_b}) {
+          column[i] = 1;
+        }
+        worker.scratch.second->u[i] = worker.scratch.second->v[i] = leftover;
+      }
+      const FrameView frame = job.frame();
+      const std::uint32_t n = Scatter(frame, PointsIn(ranges, frame, worker),
+                                      {kCameraEnd, /*bounce=*/0}, worker.scratch, worker.rays[0]);
+      EXPECT_GT(n, 0u);
+      return std::vector<float>(worker.rays[0]->dir_y, worker.rays[0]->dir_y + n);
+    };
+    EXPECT_EQ(scatter(0.01f), scatter(0.99f));
   }
 }
 

@@ -6,6 +6,9 @@
 #include <algorithm>
 
 #include "tests/support/render_scenes.h"
+#include "wavefront/integrators/path.h"
+#include "wavefront/records/irradiance_cache.h"
+#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -48,11 +51,11 @@ double Product(const CandidateScore& score) { return score.variance * score.cost
 
 // Expects one choice, which is that of the least product, and returns it.
 std::string Chosen(const FrameResult& result) {
-  if (result.choices.size() != 1) {
-    ADD_FAILURE() << result.choices.size() << " choices";
+  if (result.pilots.choices.size() != 1) {
+    ADD_FAILURE() << result.pilots.choices.size() << " choices";
     return "";
   }
-  const StrategyChoice& choice = result.choices[0];
+  const StrategyChoice& choice = result.pilots.choices[0];
   const auto least =
       std::min_element(choice.scores.begin(), choice.scores.end(),
                        [](const auto& a, const auto& b) { return Product(a) < Product(b); });
@@ -79,7 +82,7 @@ TEST(StrategyPilot, TheChosenStrategyRenders) {
 
 TEST(StrategyPilot, ContinuationsHaveAChoiceOfTheirOwn) {
   JobRequest request = Request("importance");
-  request.options.split = 3;
+  request.options.bsdf_samples = 3;
   request.continuation_strategy = "auto";
   const Rendered chosen = RenderInside(request);
   const std::string name = Chosen(chosen.result);
@@ -91,9 +94,9 @@ TEST(StrategyPilot, ContinuationsHaveAChoiceOfTheirOwn) {
 TEST(StrategyPilot, DependsOnNeitherThreadsNorWavesNorParts) {
   const RenderJob job(RoomUnderSkylight(), Request("auto"));
   const Rendered reference = Render(job, job.frame());
-  const std::vector<CandidateScore>& scores = reference.result.choices.at(0).scores;
+  const std::vector<CandidateScore>& scores = reference.result.pilots.choices.at(0).scores;
   const auto expect_same = [&](const FrameView& frame) {
-    const StrategyChoice choice = Render(job, frame).result.choices.at(0);
+    const StrategyChoice choice = Render(job, frame).result.pilots.choices.at(0);
     ASSERT_EQ(choice.scores.size(), scores.size());
     for (std::size_t i = 0; i < scores.size(); ++i) {
       EXPECT_EQ(choice.scores[i].variance, scores[i].variance) << scores[i].name;
@@ -116,7 +119,7 @@ TEST(StrategyPilot, LeavesStatisticsToTheFrame) {
   const Rendered rendered = RenderInside(Request("auto"));
   EXPECT_EQ(rendered.result.stats.samples, 64u * 48 * 4);
   EXPECT_EQ(rendered.result.stats.rays[0], 64u * 48 * 4);
-  for (const CandidateScore& score : rendered.result.choices.at(0).scores) {
+  for (const CandidateScore& score : rendered.result.pilots.choices.at(0).scores) {
     EXPECT_GT(score.variance, 0) << score.name;
     EXPECT_GT(score.cost, 2) << score.name;  // the camera ray is one
   }
@@ -126,7 +129,7 @@ TEST(StrategyPilot, LeavesStatisticsToTheFrame) {
 TEST(StrategyPilot, ChoosesBeforeThereIsACache) {
   JobRequest request = Request("auto");
   request.integrator = Integrator::kIrradianceCache;
-  request.options.irradiance_cache.rays = 16;
+  request.options.of<IrradianceCacheOptions>().rays = 16;
   const Rendered chosen = RenderInside(request);
   request.strategy = Chosen(chosen.result);
   EXPECT_NE(request.strategy, "");
@@ -136,9 +139,9 @@ TEST(StrategyPilot, ChoosesBeforeThereIsACache) {
 TEST(StrategyPilot, NothingIsChosenForLightPaths) {
   JobRequest request = Request("auto");
   request.integrator = Integrator::kPhoton;
-  request.options.photons.indirect = request.options.photons.caustic = 100;
+  request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 100;
   const Rendered photons = RenderInside(request);
-  EXPECT_TRUE(photons.result.choices.empty());
+  EXPECT_TRUE(photons.result.pilots.choices.empty());
   request.strategy = "importance";
   EXPECT_EQ(photons.sums, RenderInside(request).sums);
 }
@@ -154,7 +157,7 @@ TEST(StrategyPilot, CostsAreThoseOfASample) {
   const double light_samples =
       double(stats.lanes[std::uint32_t(Kernel::kLightSample)].active) / double(stats.samples);
   const double cost = 1 + double(stats.total_rays()) / double(stats.samples) + 0.2 * light_samples;
-  EXPECT_NEAR(chosen.choices.at(0).scores.at(0).cost / cost, 1, 0.05);
+  EXPECT_NEAR(chosen.pilots.choices.at(0).scores.at(0).cost / cost, 1, 0.05);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/policies/visibility_pilot.h"
 #include "wavefront/render.h"
 
@@ -52,13 +53,13 @@ TEST(VisibilityPilot, LeavesStatisticsToTheFrame) {
   const RenderJob job(RoomUnderSkylight(), Request("visibility", 2));
   Film film = job.MakeFilm();
   const FrameResult result = RenderFrame(job.frame(), film);
-  EXPECT_GT(result.visibility.paths, 10000u);
-  EXPECT_GT(result.visibility.samples, result.visibility.paths);
+  EXPECT_GT(result.pilots.of("visibility").paths, 10000u);
+  EXPECT_GT(result.pilots.of("visibility").samples, result.pilots.of("visibility").paths);
   EXPECT_EQ(result.stats.samples, 32u * 24 * 2);
   EXPECT_EQ(result.stats.rays[0], 32u * 24 * 2);
   const RenderJob plain(RoomUnderSkylight(), Request("importance", 2));
   Film other = plain.MakeFilm();
-  EXPECT_EQ(RenderFrame(plain.frame(), other).visibility.paths, 0u);
+  EXPECT_EQ(RenderFrame(plain.frame(), other).pilots.of("visibility").paths, 0u);
 }
 
 PictureEstimate Estimate(JobRequest request) {
@@ -71,7 +72,7 @@ TEST(VisibilityPilot, PicturesMatchOtherStrategies) {
   EXPECT_TRUE(SamePicture(plain, Estimate(Request("visibility:compensate=0")), SidakLevel(3)));
   // Continuations of split paths have a strategy of their own, which learns too.
   JobRequest split = Request("importance", 4);
-  split.options.split = 4, split.continuation_strategy = "visibility";
+  split.options.bsdf_samples = 4, split.continuation_strategy = "visibility";
   EXPECT_TRUE(SamePicture(plain, Estimate(split), SidakLevel(3)));
 }
 

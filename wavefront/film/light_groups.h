@@ -14,6 +14,7 @@
 #include "kernels/lights/local_lights.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
+#include "wavefront/soa.h"
 
 namespace skywave {
 
@@ -42,6 +43,15 @@ struct GroupColumns {
   static constexpr void ForEachColumn(Self& self, F f) {
     f(self.r), f(self.g), f(self.b), f(self.group);
   }
+};
+
+class Film;
+
+// Light that is kept apart by groups of lights goes here.
+struct GroupTables {
+  explicit GroupTables(std::uint32_t wave) : given(wave) {}
+  soa::Table<GroupColumns> given;
+  Film* film = nullptr;  // the one that the current wave is for
 };
 
 }  // namespace skywave

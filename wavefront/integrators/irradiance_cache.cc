@@ -5,12 +5,17 @@
 // suggest, so small things are blurred and the noise of the records is seen as blotches. Paths of
 // records begin at their surfaces: with a mirror in between they are a surface longer than
 // max_depth.
+#include <fmt/format.h>
+
+#include <span>
+#include <string>
 #include <utility>
 
 #include "base/clock.h"
 #include "wavefront/integrator.h"
 #include "wavefront/passes/irradiance_pass.h"
 #include "wavefront/passes/photon_pass.h"
+#include "wavefront/render_option.h"
 #include "wavefront/stages/irradiance_stages.h"
 #include "wavefront/stages/path_stages.h"
 
@@ -38,14 +43,27 @@ void RenderCachedWave(const FrameView& frame, const WaveRange& range, Worker& w,
     n = ScatterSurfaces(frame, kCameraEnd, first_kind, bounce, *next, w, clock);
     std::uint32_t ended = 0;
     n = EndCachedPaths(*next, n, w, ended);
-    if (ended > 0) IntersectLights(frame, w.irradiance->ended, ended, bounce + 1, w, clock);
+    if (ended > 0)
+      IntersectLights(frame, w.of<IrradianceTables>().ended, ended, bounce + 1, w, clock);
     std::swap(rays, next);
   }
   FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
+std::span<const RenderOption> Options() {
+  // clang-format off
+  static const RenderOption table[] = {
+      MakeRenderOption({.name = "cache-accuracy", .group = "Irradiance cache (irradiance-cache)", .help = "largest error at which a record of the irradiance cache counts; smaller: more records", .scope = OptionScope::kPixels, .example = "--integrator irradiance-cache --cache-accuracy 0.4"},
+                       SKYWAVE_FIELD_OF(IrradianceCacheOptions, accuracy), Floats(0.01, 1)),
+      MakeRenderOption({.name = "cache-rays", .group = "Irradiance cache (irradiance-cache)", .help = "rays of the hemisphere of a record", .scope = OptionScope::kPixels, .example = "--integrator irradiance-cache --cache-rays 50"},
+                       SKYWAVE_FIELD_OF(IrradianceCacheOptions, rays), Numbers(4u, 1u << 16)),
+  };
+  // clang-format on
+  return table;
+}
+
 void AddTables(const RenderOptions& options, Worker& worker) {
-  worker.irradiance.emplace(options.wave);
+  worker.tables.Add<IrradianceTables>(options.wave);
 }
 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
@@ -55,8 +73,13 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   counts.indirect = cache.records().size(), counts.bytes = cache.bytes();
   counts.seconds = SecondsSince(start);
   FrameView view = frame;
-  view.irradiance_cache = &cache;
+  view.Show(&cache);
   render(view);
+}
+
+std::string DescribePasses(const PhotonCounts& counts) {
+  return fmt::format("irradiance cache: {} records in {:.3f} s, {:.1f} MiB", counts.indirect,
+                     counts.seconds, double(counts.bytes) / (1 << 20));
 }
 
 }  // namespace
@@ -64,11 +87,12 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
 IntegratorDescriptor IrradianceCacheIntegrator() {
   return {.help = "light between diffuse surfaces from an irradiance cache; biased: blurred",
           .light_samples = LightSamples::kRequested,
-          .stores = StoredLight::kIrradiance,
           .biased = true,
           .mixes_light = true,
+          .options = Options,
           .add_tables = AddTables,
           .for_each_pass = ForEachPass,
+          .describe_passes = DescribePasses,
           .render_wave = RenderCachedWave};
 }
 

@@ -59,6 +59,7 @@ IntegratorDescriptor LightIntegrator() {
           .light_samples = LightSamples::kNone,
           .light_paths = LightPaths::kStrategy,
           .has_splats = true,
+          .add_tables = AddLightPathTables,
           .render_wave = RenderLightWave};
 }
 

@@ -4,10 +4,12 @@
 // branch (split.cc).
 #include "wavefront/integrators/path.h"
 
-#include <memory>
+#include <span>
 
 #include "wavefront/integrator.h"
 #include "wavefront/paths/camera_paths.h"
+#include "wavefront/policy.h"
+#include "wavefront/render_option.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -24,13 +26,24 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
 
 namespace {
 
+std::span<const RenderOption> Options() {
+  // clang-format off
+  static const RenderOption table[] = {
+      Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "continuations of a path after its first hit", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "paths do not split"},
+                       SKYWAVE_FIELD(bsdf_samples), Unless(0u, Numbers(1u, 1u << 16)))),
+  };
+  // clang-format on
+  return table;
+}
+
 void AddTables(const RenderOptions& options, Worker& worker) {
-  if (options.split > 0) worker.continuations = std::make_unique<Continuations>(options.wave);
+  if (options.bsdf_samples == 0) return;
+  AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
 }
 
 void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Worker& worker,
                              Film& film) {
-  if (frame.splits()) return RenderSplitWave(frame, range, worker, film);
+  if (frame.options.bsdf_samples > 0) return RenderSplitWave(frame, range, worker, film);
   RenderPathWave(frame, range, worker, film);
 }
 
@@ -38,9 +51,9 @@ void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Wor
 
 IntegratorDescriptor PathIntegrator() {
   return {.help = "paths from the camera; caustics of small lights stay noisy or are missed",
-          .splits = true,
           .controls = true,
           .has_light_groups = true,
+          .options = Options,
           .add_tables = AddTables,
           .render_wave = RenderWholeOrSplitPaths};
 }

@@ -13,8 +13,10 @@
 #include "base/error.h"
 #include "wavefront/integrator.h"
 #include "wavefront/passes/footprint.h"
+#include "wavefront/passes/photon_options.h"
 #include "wavefront/passes/photon_pass.h"
 #include "wavefront/paths/final_gather.h"
+#include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
 
@@ -27,6 +29,7 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
   GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
+  const PhotonMaps& maps = *frame.find<PhotonMaps>();
   std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
@@ -38,11 +41,11 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const std::uint32_t left = frame.options.max_depth - bounce;
-    AddPhotons(frame, frame.photons->caustic, left, w, clock);
-    if (frame.options.photons.gather > 0) {
+    AddPhotons(frame, maps.caustic, left, w, clock);
+    if (frame.options.of<PhotonOptions>().gather > 0) {
       GatherPhotons(frame, bounce, w, clock);
     } else {
-      AddPhotons(frame, frame.photons->indirect, left, w, clock);
+      AddPhotons(frame, maps.indirect, left, w, clock);
     }
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);
@@ -53,15 +56,17 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
 }
 
 void Check(const RenderOptions& options) {
-  if (options.photons.indirect == 0 && options.photons.caustic == 0) {
+  const auto& photons = options.of<PhotonOptions>();
+  if (photons.indirect == 0 && photons.caustic == 0) {
     throw OptionError({{"photons", "0"}, {"caustic-photons", "0"}},
                       "`integrator photon` needs photons; for direct light alone use `integrator "
                       "direct`");
   }
+  CheckPhotonPasses(options, /*vertices=*/false);
 }
 
 void CheckScene(const RenderOptions& options, const Geometry& geometry, const SceneSphere&) {
-  if (options.photons.indirect == 0 && !geometry.has_deltas()) {
+  if (options.of<PhotonOptions>().indirect == 0 && !geometry.has_deltas()) {
     throw OptionError("photons", "0",
                       "without mirrors and glass there are no caustics, so `integrator photon` "
                       "would store nothing; for direct light alone use `integrator direct`");
@@ -69,7 +74,8 @@ void CheckScene(const RenderOptions& options, const Geometry& geometry, const Sc
 }
 
 void AddTables(const RenderOptions& options, Worker& worker) {
-  worker.photon.emplace(options.wave, options.photons.neighbors);
+  AddLightPathTables(options, worker);
+  worker.tables.Add<PhotonTables>(options.wave, options.of<PhotonOptions>().neighbors);
 }
 
 // The radii of the first pass in which there are photons of a kind, from which those of all passes
@@ -80,8 +86,8 @@ class FirstRadii {
   FirstRadii(const RenderOptions& options, const Geometry& geometry, float largest)
       : largest_(largest),
         passes_(PhotonPasses(options)),
-        missing_caustic_(options.photons.caustic > 0 && geometry.has_deltas()),
-        missing_indirect_(options.photons.indirect > 0) {}
+        missing_caustic_(options.of<PhotonOptions>().caustic > 0 && geometry.has_deltas()),
+        missing_indirect_(options.of<PhotonOptions>().indirect > 0) {}
 
   // Returns the maps of `pass`, traced by `trace`, with their radii.
   template <class Trace>
@@ -117,7 +123,7 @@ class FirstRadii {
 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
-  const PhotonOptions& photons = frame.options.photons;
+  const auto& photons = frame.options.of<PhotonOptions>();
   const bool bounded = photons.progressive() && photons.distance <= 0;
   FirstRadii radii(frame.options, *frame.geometry,
                    bounded ? PixelRadius(frame, pool) : std::numeric_limits<float>::infinity());
@@ -133,13 +139,14 @@ IntegratorDescriptor PhotonIntegrator() {
   return {.help = "photon maps with a final gather; biased, `progressive N` converges",
           .light_samples = LightSamples::kRequested,
           .light_paths = LightPaths::kAny,
-          .stores = StoredLight::kPhotons,
           .biased = true,
           .mixes_light = true,
+          .options = PhotonOptionTable,
           .check = Check,
           .check_scene = CheckScene,
           .add_tables = AddTables,
           .for_each_pass = ForEachPass,
+          .describe_passes = DescribePhotons,
           .render_wave = RenderPhotonWave};
 }
 

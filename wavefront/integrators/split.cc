@@ -54,30 +54,34 @@ SurfaceRanges LightSampled(SurfaceRanges ranges) {
 // other. `paths` is the number of rows in use.
 void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, std::uint32_t paths,
                    std::uint32_t bounce, const Worker& w, Continuations& c, StageClock& clock) {
+  const std::uint32_t split = frame.options.bsdf_samples;
   const SurfaceRanges ranges = LightSampled(w.ranges);
   const bool last = bounce + 1 == frame.options.max_depth;
   const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
   if (ranges.total() == 0 || first_kind == kFirstDeltaBsdf) return;
   Departure from = FromOwnSurfaces(frame, w);
   from.paths.r = c.direct->r, from.paths.g = c.direct->g, from.paths.b = c.direct->b;
-  for (std::uint32_t index = 0; index < frame.options.split; ++index) {
-    NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
+  const ShadePoints starts = {.surfaces = w.surfaces,
+                              .ranges = ranges,
+                              .materials = frame.geometry->materials(),
+                              .paths = c.wave.paths};
+  for (std::uint32_t index = 0; index < split; ++index) {
+    NumberContinuations(w.paths, paths, split, index, c.wave.paths);
     const std::uint32_t n =
-        Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
-                DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0],
+        Scatter(frame, starts, {kCameraEnd, bounce, first_kind}, c.wave.scratch, c.wave.rays[0],
                 {.out = ControlsOf(frame, c.wave).out, .weight = ControlsOf(frame, w).weight});
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
   }
-  AddMeans(c.direct, paths, frame.options.split, w.paths);
+  AddMeans(c.direct, paths, split, w.paths);
 }
 
 }  // namespace
 
 void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
-  Continuations& c = *w.continuations;
+  Continuations& c = w.of<Continuations>();
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   StartContinuations(w.paths, range.count, c);
@@ -99,7 +103,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   }
   KeepDirectOfEnded(range.count, bounce, w, film);
   const PathColumns& indirect = c.wave.paths;
-  AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.split, w.paths);
+  AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.bsdf_samples, w.paths);
   w.stats += std::exchange(c.wave.stats, {});
   FinishPaths(frame, range.count, w, film, clock);
 }

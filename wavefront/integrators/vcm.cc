@@ -8,22 +8,26 @@
 #include "wavefront/integrator.h"
 #include "wavefront/integrators/bdpt.h"
 #include "wavefront/passes/merging_pass.h"
+#include "wavefront/passes/photon_options.h"
+#include "wavefront/stages/bidirectional.h"
 
 namespace skywave {
 namespace {
 
 void Check(const RenderOptions& options) {
   CheckConnections(options);
-  if (options.photons.indirect == 0) {
+  if (options.of<PhotonOptions>().indirect == 0) {
     throw OptionError("photons", "0",
                       "`integrator vcm` merges with light vertices, which are its photons; without "
                       "them it is `integrator bdpt`");
   }
+  CheckPhotonPasses(options, /*vertices=*/true);
 }
 
 void CheckScene(const RenderOptions& options, const Geometry&, const SceneSphere& sphere) {
-  if (options.photons.distance > sphere.radius) {
-    throw OptionError("photon-distance", fmt::format("{}", options.photons.distance),
+  const float distance = options.of<PhotonOptions>().distance;
+  if (distance > sphere.radius) {
+    throw OptionError("photon-distance", fmt::format("{}", distance),
                       fmt::format("`integrator vcm` would merge what is farther apart than half of "
                                   "the scene, whose radius is {}",
                                   sphere.radius));
@@ -32,14 +36,16 @@ void CheckScene(const RenderOptions& options, const Geometry&, const SceneSphere
 
 void AddTables(const RenderOptions& options, Worker& worker) {
   AddConnectionTables(options, worker);
-  worker.merging.emplace();
+  worker.tables.Add<MergeTables>();
 }
 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
   const MergePlan plan = PlanMerging(frame, pool);
+  Merging merging;
   const auto trace = [&](FrameView& view, const PhotonPass& pass) {
-    view.eta_vcm = plan.MergedArea(pass);
+    merging.eta_vcm = plan.MergedArea(pass);
+    view.Show(&merging);
     PhotonMaps maps;
     maps.indirect = TraceVertices(view, plan, pass, pool);
     return maps;
@@ -54,12 +60,13 @@ IntegratorDescriptor VcmIntegrator() {
       .help = "bdpt with merging: caustics in mirrors and behind glass too; converges with `spp`",
       .light_paths = LightPaths::kStrategy,
       .has_splats = true,
-      .stores = StoredLight::kVertices,
       .pass_each_sample = true,
+      .options = VertexOptionTable,
       .check = Check,
       .check_scene = CheckScene,
       .add_tables = AddTables,
       .for_each_pass = ForEachPass,
+      .describe_passes = DescribePhotons,
       .render_wave = RenderBdptWave};
 }
 

@@ -5,12 +5,18 @@
 // together. Sets are new for each sample, so their noise averages out; the light lost by the bound
 // on near lights is not recovered. Light that mirrors and glass cast on visible surfaces is
 // missing.
+#include <fmt/format.h>
+
+#include <span>
+#include <string>
 #include <utility>
 
 #include "base/clock.h"
 #include "wavefront/integrator.h"
 #include "wavefront/passes/photon_pass.h"
 #include "wavefront/passes/virtual_light_pass.h"
+#include "wavefront/render_option.h"
+#include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/virtual_light_stages.h"
 
@@ -42,8 +48,21 @@ void RenderVplWave(const FrameView& frame, const WaveRange& range, Worker& w, Fi
   FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
+std::span<const RenderOption> Options() {
+  // clang-format off
+  static const RenderOption table[] = {
+      MakeRenderOption({.name = "vpls", .group = "Virtual point lights (vpl)", .help = "virtual point lights of each sample, on average", .scope = OptionScope::kPixels, .example = "--integrator vpl --vpls 9"},
+                       SKYWAVE_FIELD_OF(VirtualLightOptions, count), Numbers(1u, kMostVirtualLights)),
+      MakeRenderOption({.name = "vpl-distance", .group = "Virtual point lights (vpl)", .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = OptionScope::kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights"},
+                       SKYWAVE_FIELD_OF(VirtualLightOptions, distance), Unless(-1.0f, Floats(0, 1e12))),
+  };
+  // clang-format on
+  return table;
+}
+
 void AddTables(const RenderOptions& options, Worker& worker) {
-  worker.virtual_lights.emplace(options.wave);
+  AddLightPathTables(options, worker);
+  worker.tables.Add<VirtualLightTables>(options.wave);
 }
 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
@@ -57,11 +76,17 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
     counts.radius = set.distance;
     counts.seconds += SecondsSince(start);
     FrameView view = frame;
-    view.virtual_lights = &set;
+    view.Show(&set);
     view.options.first_sample = sample, view.options.samples_per_pixel = 1;
     if (!render(view)) return;
     start = Clock::now();
   }
+}
+
+std::string DescribePasses(const PhotonCounts& counts) {
+  return fmt::format(
+      "virtual lights: {} of {} light paths in {:.3f} s, shining as from {:.4g} at least",
+      counts.indirect, counts.light_paths, counts.seconds, counts.radius);
 }
 
 }  // namespace
@@ -70,11 +95,12 @@ IntegratorDescriptor VplIntegrator() {
   return {.help = "virtual point lights on light paths; biased: corners are too dark",
           .light_samples = LightSamples::kRequested,
           .light_paths = LightPaths::kAny,
-          .stores = StoredLight::kLights,
           .biased = true,
           .mixes_light = true,
+          .options = Options,
           .add_tables = AddTables,
           .for_each_pass = ForEachPass,
+          .describe_passes = DescribePasses,
           .render_wave = RenderVplWave};
 }
 

@@ -12,6 +12,7 @@
 #include "kernels/sampler.h"
 #include "wavefront/paths/camera_paths.h"
 #include "wavefront/paths/pilot.h"
+#include "wavefront/stages/irradiance_stages.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -120,7 +121,7 @@ void SampleHemispheres(const FrameView& pilot, const HemisphereGrid& grid,
   }
   // What the rays see at once is direct light, which counts elsewhere.
   Departure from = FromOwnSurfaces(pilot, w);
-  const RadianceColumns& seen = w.irradiance->direct;
+  const RadianceColumns& seen = w.of<IrradianceTables>().direct;
   from.paths.r = seen.r, from.paths.g = seen.g, from.paths.b = seen.b;
   FollowPaths(pilot, from, count, 1, w, /*film=*/nullptr, clock);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -172,7 +173,7 @@ void Measure(const FrameView& pilot, std::span<const SeenPoint> points, float ac
 }  // namespace
 
 IrradianceCache MakeIrradianceCache(const FrameView& frame, WorkerPool& pool) {
-  const IrradianceCacheOptions& options = frame.options.irradiance_cache;
+  const IrradianceCacheOptions& options = frame.options.of<IrradianceCacheOptions>();
   FrameView pilot = PilotView(frame, *frame.strategy);
   pilot.options.mis = frame.options.mis;
   const HemisphereGrid grid = GridOf(options.rays);

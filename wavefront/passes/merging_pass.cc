@@ -57,7 +57,7 @@ float MergePlan::MergedArea(const PhotonPass& pass) const {
 
 MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   const RenderOptions& options = frame.options;
-  const PhotonOptions& wanted = options.photons;
+  const auto& wanted = options.of<PhotonOptions>();
   if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
   const std::uint64_t samples = PictureSamples(options).count() / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
@@ -81,8 +81,9 @@ MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
                         WorkerPool& pool) {
   const std::uint64_t first = std::uint64_t(pass.samples.first) << 32;
-  PhotonMap map = MapOfVertices(frame, first, frame.eta_vcm > 0 ? plan.light_paths : 0,
-                                frame.options.photons.indirect, pool);
+  PhotonMap map =
+      MapOfVertices(frame, first, TechniquesOf(frame).eta_vcm > 0 ? plan.light_paths : 0,
+                    frame.options.of<PhotonOptions>().indirect, pool);
   map.radius = plan.radius * pass.shrink;
   return map;
 }

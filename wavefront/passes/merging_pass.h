@@ -27,7 +27,7 @@ struct MergePlan {
 MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool);
 
 // Traces the vertices of the light paths of `pass`; there are none if nothing is merged. `frame`
-// has the eta_vcm of this pass. Bits depend on neither threads nor wave.
+// shows the Merging of this pass. Bits depend on neither threads nor wave.
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
                         WorkerPool& pool);
 

@@ -1,9 +1,11 @@
 #include "wavefront/passes/photon_pass.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "base/clock.h"
@@ -49,32 +51,8 @@ void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
   seconds += pass_seconds;
 }
 
-std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
-  const SampleRange picture = PictureSamples(options);
-  const std::uint32_t samples = picture.count(), wanted = options.photons.passes;
-  const bool each_sample = Describe(options.integrator).pass_each_sample && wanted == 0;
-  const std::uint32_t passes = each_sample ? samples : std::clamp(wanted, 1u, samples);
-  const auto first_of = [&](std::uint32_t pass) {
-    return picture.first + std::uint32_t(std::uint64_t(samples) * pass / passes);
-  };
-  std::vector<PhotonPass> list;
-  double shrink2 = 1;
-  const auto shrink = [&](std::uint32_t pass) {
-    shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
-  };
-  // If a pass is a sample, it is the same pass in every picture.
-  const std::uint32_t before = each_sample ? picture.first : 0;
-  for (std::uint32_t i = 0; i < before; ++i) shrink(i);
-  for (std::uint32_t i = 0; i < passes; ++i) {
-    list.push_back(
-        {.samples = {first_of(i), first_of(i + 1)}, .shrink = float(std::sqrt(shrink2))});
-    shrink(before + i);
-  }
-  return list;
-}
-
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool) {
-  const PhotonOptions& photons = frame.options.photons;
+  const auto& photons = frame.options.of<PhotonOptions>();
   const std::uint32_t max_depth = frame.options.max_depth;
   // There is one set of photons for all samples, whichever of them are rendered, or one for each
   // pass.
@@ -104,8 +82,16 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
   return maps;
 }
 
+std::string DescribePhotons(const PhotonCounts& counts) {
+  return fmt::format(
+      "photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, radii "
+      "{:.4g} and {:.4g}",
+      counts.indirect, counts.caustic, counts.light_paths, counts.seconds,
+      double(counts.bytes) / (1 << 20), counts.radius, counts.caustic_radius);
+}
+
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
-                       const RenderPass& render) {
+                       const RenderPass& render) try {
   const SampleRange wanted = SamplesOf(frame.options);
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
     const SampleRange samples = {std::max(pass.samples.first, wanted.first),
@@ -115,11 +101,14 @@ void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCou
     FrameView view = frame;
     const PhotonMaps maps = trace(view, pass);
     counts.Add(maps, SecondsSince(start));
-    view.photons = &maps;
+    view.Show(&maps);
     view.options.first_sample = samples.first;
     view.options.samples_per_pixel = samples.count();
     if (!render(view)) return;
   }
+} catch (const std::bad_alloc&) {
+  // Nothing else takes as much memory, whatever allocation failed.
+  RefusePhotons(frame.options, "there is no memory left for so many");
 }
 
 }  // namespace skywave

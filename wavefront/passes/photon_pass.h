@@ -3,20 +3,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <vector>
+#include <string>
 
 #include "wavefront/frame.h"
 #include "wavefront/integrator.h"
+#include "wavefront/passes/photon_options.h"
 #include "wavefront/records/photon_map.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
-
-// A pass of a picture has photons of its own.
-struct PhotonPass {
-  SampleRange samples;
-  float shrink;  // its radius over that of the first pass
-};
 
 // Counts what the passes of light paths of a frame have made.
 struct PhotonCounts {
@@ -28,13 +23,6 @@ struct PhotonCounts {
 
   void Add(const PhotonMaps& maps, double pass_seconds);
 };
-
-// Returns the passes of a picture: options.photons.passes of them. 0 means one, or one for each
-// sample (IntegratorDescriptor::pass_each_sample), with radii that go by the number of the sample.
-// A frame that has some of the picture's samples renders parts of some of the passes. Radii shrink
-// as in Knaus and Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias
-// of the mean of all passes then both vanish.
-std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
 // These light paths predict what others will store. No pass uses their first number, because
 // samples of a pixel end before it.
@@ -48,8 +36,12 @@ inline constexpr std::uint64_t kPlanningPaths = 1 << 14,
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
+// Says what the passes of `photon` and `vcm` have made (IntegratorDescriptor::describe_passes).
+std::string DescribePhotons(const PhotonCounts& counts);
+
 // Calls `render` for the samples of the frame in each pass, with the maps that `trace` has made for
-// it. `trace` may change the frame of its pass.
+// it. `trace` may change the frame of its pass. Throws OptionError
+// where there is no memory for so many photons.
 using TracePass = std::function<PhotonMaps(FrameView& frame, const PhotonPass& pass)>;
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
                        const RenderPass& render);

@@ -78,7 +78,7 @@ float DistanceBetween(const std::vector<VirtualLight>& lights, double count) {
 
 VirtualLightPlan PlanVirtualLights(const FrameView& frame, WorkerPool& pool) {
   if (frame.options.max_depth < 2) return {};
-  const VirtualLightOptions& options = frame.options.virtual_lights;
+  const auto& options = frame.options.of<VirtualLightOptions>();
   const std::vector<VirtualLight> lights =
       LightsOfPaths(frame, kFirstPlanningPath, kPlanningPaths, pool);
   const double of_a_path = double(lights.size()) / double(kPlanningPaths);

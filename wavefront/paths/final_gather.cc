@@ -60,7 +60,7 @@ SurfaceRanges DenseOnly(SurfaceRanges ranges) {
 // more indices than numbers, some indices share them.
 std::uint32_t GatheredLightPairs(const FrameView& frame, std::uint32_t index) {
   constexpr std::uint32_t kAll = kLightPathPairs / kPairBlock;
-  const std::uint32_t gather = frame.options.photons.gather;
+  const std::uint32_t gather = frame.options.of<PhotonOptions>().gather;
   const std::uint32_t each = frame.light_shares().plan.total() + kCandidateBlocks;
   const std::uint32_t room = std::max((kAll - 1 - gather) / each, 1u);
   return kPairBlock * (1 + gather + index % room * each);
@@ -74,9 +74,10 @@ std::uint32_t CountDense(const RayColumns& rays, std::uint32_t n) {
 }  // namespace
 
 void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
-  PhotonTables& t = *w.photon;
-  const PhotonMaps& maps = *frame.photons;
-  const std::uint32_t gather = frame.options.photons.gather, max_depth = frame.options.max_depth;
+  PhotonTables& t = w.of<PhotonTables>();
+  const PhotonMaps& maps = *frame.find<PhotonMaps>();
+  const std::uint32_t gather = frame.options.of<PhotonOptions>().gather,
+                      max_depth = frame.options.max_depth;
   const SurfaceRanges dense = DenseOnly(w.ranges);
   if (dense.total() == 0 || bounce + 1 >= max_depth) return;
   for (std::uint32_t index = 0; index < gather; ++index) {
@@ -87,8 +88,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
                            .split = {.stride = gather, .offset = index}};
     const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * (1 + index)};
     const std::uint32_t light_pairs = GatheredLightPairs(frame, index);
-    std::uint32_t n = Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce,
-                              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *rays);
+    std::uint32_t n = Scatter(frame, PointsIn(dense, frame, w), {first, bounce}, w.scratch, *rays);
     if (gather > 1) Scale(*rays, n, 1.0f / float(gather));
     clock.Lap(Stage::kScatter);
     // The current surfaces make room for those that their rays hit.
@@ -115,8 +115,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       // The last rays only see lights.
       const SurfaceRanges going = left == 1 ? DenseOnly(w.ranges) : w.ranges;
       const std::uint32_t first_kind = left == 1 ? frame.first_bsdf_that_sees_light() : 0;
-      n = Scatter(frame, end, w.paths, w.surfaces, going, first_kind, scattered,
-                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
+      n = Scatter(frame, PointsIn(going, frame, w), {end, scattered, first_kind}, w.scratch, *next);
       clock.Lap(Stage::kScatter);
       std::swap(rays, next);
       seeing = CountDense(*rays, n);

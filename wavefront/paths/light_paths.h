@@ -33,15 +33,15 @@ void FollowLightPaths(const FrameView& frame, std::uint64_t first, std::uint32_t
 }
 
 // The same with what weights of connections need: calls store(bounce) with the sub-paths of the
-// current surfaces in w.bidirectional->at. All surfaces scatter.
+// current surfaces in BidirectionalTables::at. All surfaces scatter.
 template <class Store>
 void FollowLightSubpaths(const FrameView& frame, std::uint64_t first, std::uint32_t count,
                          Worker& w, StageClock& clock, const Store& store) {
-  BidirectionalTables& b = *w.bidirectional;
+  BidirectionalTables& b = w.of<BidirectionalTables>();
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   StartLightPaths(frame.options, first, count, w.paths);
   EmitRays(frame, count, *rays, w, clock);
-  LeaveLights(w.light->emission, count, b.light);
+  LeaveLights(w.of<LightPathTables>().emission, count, b.light);
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);

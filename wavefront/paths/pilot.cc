@@ -54,7 +54,7 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy, std::ui
   constexpr std::uint32_t kSamples = 4;
   FrameView pilot = CoarseView(frame, paths, kSamples);
   pilot.strategy = &strategy;
-  pilot.irradiance = {};
+  pilot.Show<ControlView>(nullptr);
   const RenderOptions coarse = pilot.options;
   pilot.options = {};
   pilot.options.width = coarse.width, pilot.options.height = coarse.height;

@@ -65,8 +65,8 @@ void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
     PrepareHits(pilot, kCameraEnd, *rays, n, std::move(sorted), w, clock);
     LightSurfaces(pilot, bounce, w, clock);
     observer.SeeLightSamples(w, w.ranges.light_sampled());
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
-                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next, ControlsOf(pilot, w));
+    n = Scatter(pilot, Points(pilot, w), {kCameraEnd, bounce}, w.scratch, *next,
+                ControlsOf(pilot, w));
     std::swap(rays, next);
   }
 }
@@ -89,8 +89,7 @@ void FollowToSurfaces(const FrameView& pilot, const WaveRange& range, std::uint3
     const SurfaceColumns& s = w.surfaces;
     for (std::uint32_t i = 0; i < w.ranges.total(); ++i) length[s.path[i]] += s.t[i];
     see(length);
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
+    n = Scatter(pilot, Points(pilot, w), {kCameraEnd, bounce, first_kind}, w.scratch, *next);
     std::swap(rays, next);
   }
 }

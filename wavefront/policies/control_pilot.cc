@@ -10,6 +10,9 @@
 
 #include "base/clock.h"
 #include "wavefront/paths/pilot.h"
+#include "wavefront/policy.h"
+#include "wavefront/render_option.h"
+#include "wavefront/stages/path_stages.h"
 
 namespace skywave {
 namespace {
@@ -46,7 +49,7 @@ class ControlledSurfaceList {
     Finish();
     const SurfaceColumns& s = w.surfaces;
     const LightColumns& lights = w.lights;
-    const ControlColumns& control = w.control->subtracted;
+    const ControlColumns& control = w.of<ControlTables>().subtracted;
     for (std::uint32_t i = 0; i < n; ++i) {
       // Only light from infinitely far away has this reach, unless it is occluded.
       const bool arrives = lights.t_far[i] == std::numeric_limits<float>::infinity();
@@ -65,7 +68,7 @@ class ControlledSurfaceList {
     MoveEscaped(rays, misses_.data(), n, seen);
     pilot_.strategy->EvaluateEscaped(
         Points(pilot_, w), n, pilot_.light_shares().strategy_samples(pilot_.light_samples()), seen);
-    const ControlColumns& control = w.control->subtracted;
+    const ControlColumns& control = w.of<ControlTables>().subtracted;
     for (std::uint32_t i = 0; i < n; ++i) {
       if (!(rays.pdf[i] > 0) || rays.from[i] >= at_hand_.size()) continue;
       const double ratio = double(seen.light_pdf[i]) / rays.pdf[i],
@@ -148,13 +151,16 @@ double SetWeights(std::span<const ControlledSurface> surfaces, ControlWeights& w
 
 }  // namespace
 
-ControlWeights LearnControl(WorkerPool& pool, FrameView& frame, GuideCounts& counts) {
-  ControlWeights weights;
+std::unique_ptr<ControlWeights> LearnControl(WorkerPool& pool, FrameView& frame,
+                                             PilotCounts& counts) {
   const PlaceBox box = PlaceBoxOf(frame.sphere);
-  if (!(box.side > 0)) return weights;
+  if (!(box.side > 0)) return nullptr;
+  auto learnt = std::make_unique<ControlWeights>();
+  ControlWeights& weights = *learnt;
+  const ControlView unweighted = {.irradiance = frame.find<ControlView>()->irradiance};
   const auto start = Clock::now();
   FrameView pilot = PilotView(frame, *frame.strategy, PilotShare(frame));
-  pilot.irradiance = frame.irradiance;
+  pilot.Show(&unweighted);
   pilot.options.mis = frame.options.mis;
   if (Describe(frame.options.integrator).direct_light_only) pilot.options.max_depth = 1;
   std::vector<ControlledSurface> surfaces = TracePilot<ControlledSurface>(
@@ -185,11 +191,47 @@ ControlWeights LearnControl(WorkerPool& pool, FrameView& frame, GuideCounts& cou
   counts.bytes += weights.tree.bytes() + weights.of_places.size() * sizeof(float);
   counts.seconds += SecondsSince(start);
   if (gain < kWorthwhile) {
-    frame.irradiance = {};
+    frame.Show<ControlView>(nullptr);
   } else if (!are_all(1)) {
-    frame.control_weights = weights.view();
+    weights.shown = {
+        .irradiance = unweighted.irradiance,
+        .weights = {.places = weights.tree.view(), .weight = weights.of_places.data()}};
+    frame.Show(&weights.shown);
   }
-  return weights;
+  return learnt;
+}
+
+namespace {
+
+bool Controls(Integrator integrator) { return Describe(integrator).controls; }
+
+std::span<const RenderOption> Options() {
+  // clang-format off
+  static const RenderOption table[] = {
+      Refused("is for light samples of paths from the camera alone", MakeRenderOption({.name = "control", .group = "Light", .help = "control variate: sample only what is hidden of the map's known irradiance on diffuse surfaces", .scope = OptionScope::kPixels, .example = "--control irradiance", .applies = Controls},
+                       SKYWAVE_FIELD_OF(ControlOptions, control), NamesOfEnum<ControlVariate>())),
+  };
+  // clang-format on
+  return table;
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  if (options.of<ControlOptions>().control == ControlVariate::kNone) return;
+  worker.tables.Add<ControlTables>(options.wave);
+}
+
+std::shared_ptr<const void> Teach(FrameView& frame, const Pilots& pilots) {
+  if (frame.find<ControlView>() == nullptr) return nullptr;
+  PilotCounts counts = {.policy = "control", .found = "surfaces"};
+  std::unique_ptr<ControlWeights> learnt = LearnControl(pilots.pool, frame, counts);
+  if (learnt) pilots.reports.counts.push_back(counts);
+  return std::shared_ptr<const ControlWeights>(std::move(learnt));
+}
+
+}  // namespace
+
+PolicyDescriptor ControlPolicy() {
+  return {.options = Options, .add_tables = AddTables, .teach = Teach};
 }
 
 }  // namespace skywave

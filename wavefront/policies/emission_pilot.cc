@@ -15,6 +15,8 @@
 #include "lights/maps/sphere_map.h"
 #include "lights/strategies/importance.h"
 #include "wavefront/paths/pilot.h"
+#include "wavefront/policy.h"
+#include "wavefront/render_option.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -204,7 +206,7 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
   FollowPilotPaths(pilot, range, w, list);
 }
 
-EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts) {
+EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, PilotCounts& counts) {
   const auto start = Clock::now();
   const EnvStrategy& strategy = *frame.emitter;
   const int factor = (kLeastColumns + frame.map->latlong.width - 1) / frame.map->latlong.width;
@@ -247,5 +249,35 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   counts.seconds = SecondsSince(start);
   return guide;
 }
+
+namespace {
+
+bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
+
+std::span<const RenderOption> Options() {
+  // clang-format off
+  static const RenderOption table[] = {
+      MakeRenderOption({.name = "guide", .group = "Paths", .help = "light paths from the map start where a pilot of camera paths needed them", .scope = OptionScope::kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
+                       SKYWAVE_FIELD_OF(GuideOptions, guide), Switches()),
+  };
+  // clang-format on
+  return table;
+}
+
+std::shared_ptr<const void> Teach(FrameView& frame, const Pilots& pilots) {
+  const bool wanted = frame.options.of<GuideOptions>().guide;
+  if (!wanted || !HasLightPaths(frame.options.integrator) || !frame.has_environment()) {
+    return nullptr;
+  }
+  PilotCounts counts = {.policy = "guide", .found = "lines of light"};
+  auto guide = std::make_shared<EmissionGuide>(LearnEmission(frame, pilots.pool, counts));
+  pilots.reports.counts.push_back(counts);
+  if (!guide->empty()) frame.Show<EmissionGuide>(guide.get());
+  return guide;
+}
+
+}  // namespace
+
+PolicyDescriptor GuidePolicy() { return {.options = Options, .teach = Teach}; }
 
 }  // namespace skywave

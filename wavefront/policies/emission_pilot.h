@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "wavefront/frame.h"
-#include "wavefront/policies/guide_counts.h"
+#include "wavefront/pilot_reports.h"
 #include "wavefront/records/emission_guide.h"
 #include "wavefront/records/guide_sample.h"
 #include "wavefront/stages/stages.h"
@@ -15,6 +15,11 @@
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
+
+// Light paths from the environment start where camera paths of a pilot needed them.
+struct GuideOptions {
+  bool guide = false;
+};
 
 // These rules decide what light counts as needed.
 struct PilotQuestion {
@@ -36,6 +41,6 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
 // is empty if no camera path finds the environment. The guide depends on neither threads nor wave,
 // nor on which part of the film or which samples the frame has. Statistics of the workers stay as
 // they are, and no rays are recorded.
-EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts);
+EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, PilotCounts& counts);
 
 }  // namespace skywave

@@ -1,6 +1,7 @@
 #include "wavefront/policies/strategy_pilot.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "wavefront/integrator.h"
 #include "wavefront/paths/pilot.h"
 #include "wavefront/policies/visibility_pilot.h"
+#include "wavefront/policy.h"
 
 namespace skywave {
 namespace {
@@ -80,10 +82,10 @@ double RelativeVariance(const Image& a, const Image& b) {
 
 }  // namespace
 
-std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout& layout,
+std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, float brightest_radiance,
                                             WorkerPool& pool, FrameView& frame,
                                             std::vector<StrategyChoice>& choices,
-                                            GuideCounts& visibility) {
+                                            PilotCounts& visibility) {
   const std::span<const StrategyCandidate> candidates = (frame.*slot)->candidates();
   frame.*slot = candidates[0].strategy;
   // Light paths start with samples of their own.
@@ -92,14 +94,14 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
   }
   const auto start = Clock::now();
   FrameView pilot = CoarseView(frame, PilotShare(frame), std::size(kChoiceSeeds) * kSamples);
-  pilot.irradiance = {};
+  pilot.Show<ControlView>(nullptr);
   pilot.options.samples_per_pixel /= std::size(kChoiceSeeds);
   const double samples = double(PilotPaths(pilot)) * std::size(kChoiceSeeds);
   StrategyChoice choice;
   std::unique_ptr<EnvStrategy> best_taught;
   double best = 0;
   for (const StrategyCandidate& candidate : candidates) {
-    GuideCounts counts;
+    PilotCounts counts;
     std::unique_ptr<VisibilityStrategy> taught =
         LearnVisibility(frame, *candidate.strategy, pool, counts);
     // A strategy that has learnt nothing draws as `importance` does.
@@ -109,7 +111,7 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     Image pictures[std::size(kChoiceSeeds)];
     for (std::size_t i = 0; i < std::size(kChoiceSeeds); ++i) {
       pilot.options.seed = frame.options.seed ^ kChoiceSeeds[i];
-      pictures[i] = RenderPilot(pilot, layout.brightest_radiance, pool, work);
+      pictures[i] = RenderPilot(pilot, brightest_radiance, pool, work);
     }
     const CandidateScore score = {
         .name = std::string(candidate.strategy->name()),
@@ -121,7 +123,9 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     const double product = score.variance * score.cost * (first ? kClearly : 1);
     if (!first && !(product < best)) continue;
     best = product, best_taught = std::move(taught);
-    visibility = counts;  // of what the frame has
+    // Of what the frame has.
+    counts.policy = visibility.policy, counts.found = visibility.found;
+    visibility = counts;
     frame.*slot = best_taught ? best_taught.get() : candidate.strategy;
     choice.chosen = score.name;
   }
@@ -129,5 +133,36 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
   choices.push_back(std::move(choice));
   return best_taught;
 }
+
+namespace {
+
+// Has a pilot choose or teach the strategy `slot` of the frame, if it needs that. Returns what was
+// taught, which the frame then uses.
+std::unique_ptr<EnvStrategy> Prepare(StrategySlot slot, const Pilots& pilots, PilotCounts& counts,
+                                     FrameView& frame) {
+  if (frame.*slot == nullptr) return nullptr;
+  std::unique_ptr<EnvStrategy> taught;
+  if ((frame.*slot)->candidates().empty()) {
+    taught = LearnVisibility(frame, *(frame.*slot), pilots.pool, counts);
+  } else {
+    taught = ChooseStrategy(slot, pilots.brightest_radiance, pilots.pool, frame,
+                            pilots.reports.choices, counts);
+  }
+  if (taught) frame.*slot = taught.get();
+  return taught;
+}
+
+std::shared_ptr<const void> Teach(FrameView& frame, const Pilots& pilots) {
+  auto taught = std::make_shared<std::array<std::unique_ptr<EnvStrategy>, 2>>();
+  PilotCounts counts = {.policy = "visibility", .found = "rays"};
+  (*taught)[0] = Prepare(&FrameView::strategy, pilots, counts, frame);
+  (*taught)[1] = Prepare(&FrameView::continuation_strategy, pilots, counts, frame);
+  if (counts.paths > 0) pilots.reports.counts.push_back(counts);
+  return taught;
+}
+
+}  // namespace
+
+PolicyDescriptor StrategyPolicy() { return {.teach = Teach}; }
 
 }  // namespace skywave

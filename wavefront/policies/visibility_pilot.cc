@@ -64,7 +64,7 @@ class VisibilityRayList {
 
 std::unique_ptr<VisibilityStrategy> LearnVisibility(const FrameView& frame,
                                                     const EnvStrategy& strategy, WorkerPool& pool,
-                                                    GuideCounts& counts) {
+                                                    PilotCounts& counts) {
   const VisibilityStrategy* const untaught = dynamic_cast<const VisibilityStrategy*>(&strategy);
   if (untaught == nullptr || !frame.has_environment()) return nullptr;
   const PlaceBox box = PlaceBoxOf(frame.sphere);

@@ -6,7 +6,7 @@
 
 #include "lights/strategies/visibility.h"
 #include "wavefront/frame.h"
-#include "wavefront/policies/guide_counts.h"
+#include "wavefront/pilot_reports.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
@@ -16,6 +16,6 @@ namespace skywave {
 // samples the frame has. Statistics of the workers stay as they are, and no rays are recorded.
 std::unique_ptr<VisibilityStrategy> LearnVisibility(const FrameView& frame,
                                                     const EnvStrategy& strategy, WorkerPool& pool,
-                                                    GuideCounts& counts);
+                                                    PilotCounts& counts);
 
 }  // namespace skywave

@@ -9,6 +9,12 @@
 
 namespace skywave {
 
+// Options of the irradiance cache.
+struct IrradianceCacheOptions {
+  float accuracy = 0.2f;     // largest error of a record that counts (Ward's a)
+  std::uint32_t rays = 256;  // of a record
+};
+
 // Three floats, or one for each channel.
 using Triple = std::array<float, 3>;
 

@@ -16,6 +16,22 @@
 
 namespace skywave {
 
+// Options of photon mapping and of vertex connection and merging, whose light vertices count as
+// indirect photons. As in pbrt, the counts are those of stored photons.
+struct PhotonOptions {
+  std::uint32_t indirect = 200000, caustic = 20000;
+  std::uint32_t neighbors = 50;  // photons of a lookup, at most
+  float distance = 0;            // largest of a lookup [world space]; 0: chosen by the photons
+  PhotonKernel kernel = PhotonKernel::kEpanechnikov;
+  // A surface sends this many rays of a final gather; 0: photons are looked up where it is seen.
+  std::uint32_t gather = 1;
+  // Several passes are progressive: each looks up everything within a radius that shrinks from pass
+  // to pass. 0 means one pass, or one for each sample (IntegratorDescriptor::pass_each_sample).
+  std::uint32_t passes = 0;
+  float alpha = 2.0f / 3;  // how slowly the radius shrinks
+  bool progressive() const { return passes > 1; }
+};
+
 // A photon is a row of PhotonColumns and its position in world space.
 struct Photon {
   float position[3];

@@ -11,6 +11,14 @@
 
 namespace skywave {
 
+// Options of virtual point lights.
+struct VirtualLightOptions {
+  std::uint32_t count = 64;  // of each sample, on average
+  // Lights that are nearer than this shine as from there [world space]; negative: chosen by the
+  // lights.
+  float distance = -1;
+};
+
 // More lights would need more numbers for the rays of a surface than there are (kLightPathPairs).
 inline constexpr std::uint32_t kMostVirtualLights = 1u << 14;
 

@@ -35,6 +35,11 @@ void TraceAndAdd(const FrameView& frame, const RayKeys& keys, Worker& w, StageCl
 
 }  // namespace
 
+MisTechniques TechniquesOf(const FrameView& frame) {
+  const auto* const merging = frame.find<Merging>();
+  return {.mis = frame.mis(), .eta_vcm = merging != nullptr ? merging->eta_vcm : 0};
+}
+
 void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out) {
@@ -69,7 +74,7 @@ void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns&
 }
 
 void LeaveCamera(const FrameView& frame, const LensUniforms& lens, std::uint32_t n, Worker& w) {
-  const BidirectionalTables& b = *w.bidirectional;
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
   const RayColumns& rays = b.eye_rays;
   // The camera is asked for points that its rays pass, a unit away.
   const CameraRayPoints points(w.surfaces);
@@ -78,8 +83,9 @@ void LeaveCamera(const FrameView& frame, const LensUniforms& lens, std::uint32_t
     points->y[i] = rays.org_y[i] + rays.dir_y[i];
     points->z[i] = rays.org_z[i] + rays.dir_z[i];
   }
-  ConnectCamera(frame.camera, points.as_surfaces(), lens, n, w.lights, w.light->cameras);
-  LeaveEye(w.light->cameras->importance, float(frame.light_paths()),
+  ConnectCamera(frame.camera, points.as_surfaces(), lens, n, w.lights,
+                w.of<LightPathTables>().cameras);
+  LeaveEye(w.of<LightPathTables>().cameras->importance, float(frame.light_paths()),
            frame.camera.kind == CameraKind::kOrthographic, n, b.eye);
 }
 
@@ -87,22 +93,22 @@ std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const 
                               std::uint32_t first_kind, std::uint32_t bounce,
                               const RayColumns& rays, const SubpathColumns& flying, Worker& w,
                               StageClock& clock) {
-  const BidirectionalTables& b = *w.bidirectional;
-  const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-                                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays);
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
+  const std::uint32_t n =
+      Scatter(frame, Points(frame, w), {end, bounce, first_kind}, w.scratch, rays);
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   const ScatteredDirections directions(w.lights);
   SpreadDirections(rays, n, directions);
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, directions, b.turned,
                    b.seen.backward);
-  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.mis_techniques(), rays, n, flying);
+  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, TechniquesOf(frame), rays, n, flying);
   clock.Lap(Stage::kScatter);
   return n;
 }
 
 void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                  std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock) {
-  const BidirectionalTables& b = *w.bidirectional;
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
   const LightShares shares = frame.light_shares();
   const auto add = [&](const EscapeColumns& rows, std::uint32_t count) {
     WeighHitLight(b.eye, b.arrival->pdf, count, frame.mis(), rows);
@@ -137,7 +143,7 @@ void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
 void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const BidirectionalTables& b = *w.bidirectional;
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
   const LightShares shares = frame.light_shares();
   const LightUniforms uniforms(w.scratch);
   const LightPlaces places(w.hits);
@@ -157,7 +163,7 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   EvaluateBothDirections(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                          b.seen);
   WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->pdf, n,
-                    frame.mis_techniques(), w.lights);
+                    TechniquesOf(frame), w.lights);
   if (reach.limited()) LimitShadows(reach->distance, n, w.lights);
   const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n,
                                    SamplePair(bounce, SampleUse::kLight), w.scratch);
@@ -170,7 +176,7 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
 void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t light_bounce,
                      Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
-  const BidirectionalTables& b = *w.bidirectional;
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
   const LightVertices& vertices = b.vertices[light_bounce];
   if (n == 0 || vertices.ranges.light_sampled() == 0) return;
   const MaterialView materials = frame.geometry->materials();
@@ -180,7 +186,7 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
                          b.seen_by_light);
   const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
                                b.seen_by_light.backward};
-  JoinVertices(w.surfaces, b.at, n, frame.mis_techniques(), vertices.view(), b.partner->index, ends,
+  JoinVertices(w.surfaces, b.at, n, TechniquesOf(frame), vertices.view(), b.partner->index, ends,
                w.lights);
   // These events come after that of the light sample.
   const std::uint32_t event =
@@ -191,11 +197,11 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
 void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
                             StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
-  const BidirectionalTables& b = *w.bidirectional;
+  const BidirectionalTables& b = w.of<BidirectionalTables>();
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
-  WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.light->cameras->importance,
-              float(frame.light_paths()), n, frame.mis_techniques(), w.lights);
+  WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.of<LightPathTables>().cameras->importance,
+              float(frame.light_paths()), n, TechniquesOf(frame), w.lights);
   clock.Lap(Stage::kEvaluate);
 }
 

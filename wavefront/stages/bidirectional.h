@@ -4,17 +4,39 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "kernels/columns.h"
 #include "kernels/light_paths/bidirectional.h"
-#include "wavefront/bidirectional_tables.h"
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/stages/bidirectional_tables.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/stats.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
+
+// The number of vertices of a path that come from the light, which counts itself, and from the eye.
+struct SubpathLengths {
+  std::uint32_t light = 0, eye = 2;
+};
+
+// Which of the techniques that connect sub-paths a picture shows.
+struct ConnectionOptions {
+  std::optional<SubpathLengths> shown;  // only paths of these lengths; unset: all
+  bool shows(std::uint32_t light, std::uint32_t eye) const {
+    return !shown || (shown->light == light && shown->eye == eye);
+  }
+};
+
+// What passes that merge vertices say to the weights of all techniques.
+struct Merging {
+  float eta_vcm = 0;  // that of the current pass, see MisTechniques
+};
+
+// Returns the techniques that share the paths of a frame.
+MisTechniques TechniquesOf(const FrameView& frame);
 
 // Evaluates the BSDFs of surfaces backwards along directions dir of `lights`: value and density of
 // wo given dir, as a path that comes from there sees the surface. Rows of delta BSDFs are left as

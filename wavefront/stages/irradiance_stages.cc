@@ -28,14 +28,15 @@ void CopyRay(const RayColumns& from, std::uint32_t row, const RayColumns& to, st
 void AddCachedIrradiance(const FrameView& frame, Worker& w, StageClock& clock) {
   constexpr auto kDiffuse = std::uint32_t(BsdfKind::kLambert);
   const SurfaceColumns& s = w.surfaces;
-  std::uint32_t* const found = w.irradiance->found->index;
+  std::uint32_t* const found = w.of<IrradianceTables>().found->index;
   std::fill_n(found, w.ranges.total(), 0u);
-  if (frame.irradiance_cache == nullptr) return;
+  const auto* const cache = frame.find<IrradianceCache>();
+  if (cache == nullptr) return;
   const std::uint32_t begin = w.ranges.begin[kDiffuse];
   for (std::uint32_t row = begin; row < begin + w.ranges.count(kDiffuse); ++row) {
     Triple irradiance;
-    if (!frame.irradiance_cache->Interpolate({s.org_x[row], s.org_y[row], s.org_z[row]},
-                                             {s.ns_x[row], s.ns_y[row], s.ns_z[row]}, irradiance)) {
+    if (!cache->Interpolate({s.org_x[row], s.org_y[row], s.org_z[row]},
+                            {s.ns_x[row], s.ns_y[row], s.ns_z[row]}, irradiance)) {
       continue;
     }
     found[row] = 1;
@@ -52,12 +53,12 @@ void AddCachedIrradiance(const FrameView& frame, Worker& w, StageClock& clock) {
 
 std::uint32_t EndCachedPaths(const RayColumns& rays, std::uint32_t n, Worker& w,
                              std::uint32_t& ended) {
-  const std::uint32_t* const found = w.irradiance->found->index;
+  const std::uint32_t* const found = w.of<IrradianceTables>().found->index;
   std::uint32_t going_on = 0;
   ended = 0;
   for (std::uint32_t i = 0; i < n; ++i) {
     if (found[rays.from[i]] != 0) {
-      CopyRay(rays, i, w.irradiance->ended, ended++);
+      CopyRay(rays, i, w.of<IrradianceTables>().ended, ended++);
     } else {
       CopyRay(rays, i, rays, going_on++);
     }

@@ -16,18 +16,19 @@ constexpr std::uint32_t LightPair(std::uint32_t bounce, SampleUse use) {
   return kLightEnd.pairs + SamplePair(bounce, use);
 }
 
-// Evaluates what surfaces send towards the camera, in the directions in w.lights: w.light->values.
+// Evaluates what surfaces send towards the camera, in the directions in w.lights:
+// w.of<LightPathTables>().values.
 void EvaluateConnections(const FrameView& frame, Worker& w) {
   const MaterialView materials = frame.geometry->materials();
   ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
     const std::uint32_t n = rows.n;
     const SurfaceColumns surfaces = Slice(w.surfaces.columns(), rows.begin);
     const LightColumns lights = Slice(w.lights.columns(), rows.begin);
-    const NormalColumns normals = Slice(w.light->normals.columns(), rows.begin);
+    const NormalColumns normals = Slice(w.of<LightPathTables>().normals.columns(), rows.begin);
     SurfaceColumns seen = surfaces;
     seen.ns_x = normals.x, seen.ns_y = normals.y, seen.ns_z = normals.z;
     FaceNormals(surfaces, lights, n, normals);
-    const BsdfValueColumns values = Slice(w.light->values.columns(), rows.begin);
+    const BsdfValueColumns values = Slice(w.of<LightPathTables>().values.columns(), rows.begin);
     bsdf.evaluate(seen, materials, lights, n, values);
     MakeFlux(bsdf, seen, materials, lights, n, values);
     ClearUnseen(seen, n, values);
@@ -39,8 +40,8 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
 // strategy, it is asked how it would have drawn them.
 void GuideDistantRays(const FrameView& frame, const LightShares& shares, const AimUniforms& aim,
                       std::uint32_t n, const RayColumns& rays, const Worker& w) {
-  const EmissionColumns& emission = w.light->emission;
-  if (!frame.guide->directions) {
+  const EmissionColumns& emission = w.of<LightPathTables>().emission;
+  if (!frame.find<EmissionGuide>()->directions) {
     GuideStarts(frame.sphere, GuideOf(frame), aim, nullptr, n, rays, emission);
     return;
   }
@@ -71,19 +72,20 @@ void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uin
 void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, Worker& w,
               StageClock& clock) {
   const LightShares shares = frame.light_shares();
+  const auto* const guide = frame.find<EmissionGuide>();
   const std::uint32_t pair = LightPair(0, SampleUse::kLight);
   const LightUniforms uniforms(w.scratch);
   DrawUniforms(w.paths, nullptr, n, pair, {}, uniforms);
   if (shares.local.share < 1) {
-    const bool redrawn = frame.guide != nullptr && frame.guide->directions;
-    const EnvStrategy& strategy = redrawn ? *frame.guide->directions : *frame.strategy;
+    const bool redrawn = guide != nullptr && guide->directions;
+    const EnvStrategy& strategy = redrawn ? *guide->directions : *frame.strategy;
     SampleStrategy(strategy, Points(frame, w), uniforms, shares.local.share, n,
                    {.pair = pair, .share = shares.of_strategy}, w.scratch, w.lights);
     CheckLightSamples(w.lights, n);
   }
   const AimUniforms aim(w.scratch);
   DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, aim);
-  const EmissionColumns& emission = w.light->emission;
+  const EmissionColumns& emission = w.of<LightPathTables>().emission;
   if (shares.local.share < 1) {
     EmitFromEnvironment(frame.sphere, w.lights, aim, n, rays, emission);
   }
@@ -97,7 +99,7 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
       CloseTransparentSamples(frame, places, keys, n, rays.t_far);
     }
   }
-  if (frame.guide != nullptr) GuideDistantRays(frame, shares, aim, n, rays, w);
+  if (guide != nullptr) GuideDistantRays(frame, shares, aim, n, rays, w);
   clock.Lap(Stage::kGenerate);
 }
 
@@ -118,7 +120,7 @@ FrameView LightPathView(const FrameView& frame) {
 void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const CameraColumns& cameras = w.light->cameras;
+  const CameraColumns& cameras = w.of<LightPathTables>().cameras;
   const std::uint32_t pair = LightPair(bounce, SampleUse::kLight);
   const LensUniforms lens(w.scratch);
   if (frame.camera.has_lens()) {
@@ -129,7 +131,7 @@ void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, St
   DrawUniforms(w.paths, w.surfaces->path, n, pair, {}, pixel);
   ChoosePixels(frame.camera, frame.filter, pixel, n, w.lights, cameras);
   EvaluateConnections(frame, w);
-  WeighConnections(w.surfaces, w.light->values, cameras, n, w.lights);
+  WeighConnections(w.surfaces, w.of<LightPathTables>().values, cameras, n, w.lights);
   clock.Lap(Stage::kEvaluate);
 }
 
@@ -140,8 +142,8 @@ void SplatConnections(const FrameView& frame, std::uint32_t bounce, Worker& w, F
   const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n,
                                    LightPair(bounce, SampleUse::kLight), w.scratch);
   TraceLights(frame, keys, w, clock);
-  film.AddSplats(w.lights, w.light->cameras->pixel, n, float(1 / double(frame.light_paths())),
-                 w.stats);
+  film.AddSplats(w.lights, w.of<LightPathTables>().cameras->pixel, n,
+                 float(1 / double(frame.light_paths())), w.stats);
   clock.Lap(Stage::kFilm);
 }
 

@@ -2,6 +2,10 @@
 // worker. Each counts and times what it does.
 #pragma once
 
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/light_paths/camera_connection.h"
+#include "kernels/light_paths/emission.h"
+#include "kernels/light_paths/flux.h"
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/records/emission_guide.h"
@@ -11,9 +15,25 @@
 
 namespace skywave {
 
+// Light paths need these tables .
+struct LightPathTables {
+  explicit LightPathTables(std::uint32_t wave)
+      : emission(wave), values(wave), cameras(wave), normals(wave) {}
+  soa::Table<EmissionColumns> emission;
+  soa::Table<BsdfValueColumns> values;
+  soa::Table<CameraColumns> cameras;
+  soa::Table<NormalColumns> normals;  // shading normals as the camera sees them
+};
+
+// Adds them to the worker of an integrator that has light paths.
+inline void AddLightPathTables(const RenderOptions& options, Worker& worker) {
+  worker.tables.Add<LightPathTables>(options.wave);
+}
+
 // Returns the guide of a frame, or an empty one if it has none.
 inline EmissionGuideView GuideOf(const FrameView& frame) {
-  return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
+  const auto* const guide = frame.find<EmissionGuide>();
+  return guide != nullptr ? guide->view() : EmissionGuideView();
 }
 
 // Starts light paths [first, first + n) of the frame in rows [0, n) of `paths`. All of them are
@@ -22,8 +42,8 @@ void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uin
                      const PathColumns& paths);
 
 // Writes the rays of paths [0, n) that leave the environment and the lights, one a path, to `rays`,
-// and what is known of them to w.light->emission. The strategy can emit. Uniforms are those of
-// kLightEnd, bounce 0.
+// and what is known of them to LightPathTables::emission. The strategy can emit. Uniforms are those
+// of kLightEnd, bounce 0.
 void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, Worker& w,
               StageClock& clock);
 
@@ -36,8 +56,8 @@ void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, 
 FrameView LightPathView(const FrameView& frame);
 
 // Connects every surface that takes light samples to the camera: w.lights gets what the connections
-// bring, closed where that is nothing, and w.light->cameras where they go. Shadow rays are not
-// traced.
+// bring, closed where that is nothing, and LightPathTables::cameras where they go. Shadow rays are
+// not traced.
 void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // Traces the shadow rays of the connections and splats those that arrive, each as one of the light

@@ -13,22 +13,22 @@ namespace {
 // Pairs of a path are added one after the other, so it does not matter which of them share a table.
 void AddMerged(const FrameView& frame, const SubpathColumns& vertices, std::uint32_t kind,
                std::uint32_t n, Worker& w) {
-  MergeTables& t = *w.merging;
+  MergeTables& t = w.of<MergeTables>();
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
   std::fill(ranges.begin + kind + 1, ranges.begin + kBsdfKinds + 1, n);
   Bsdfs()[kind].evaluate(t.surfaces, materials, t.lights, n, t.seen.forward);
   EvaluateBackward(materials, t.surfaces, ranges, t.lights, t.turned, t.seen.backward);
   MergeVertices(t.surfaces, t.at, t.seen.forward, t.seen.backward->pdf, vertices, t.found->point, n,
-                frame.mis_techniques(), t.lights);
+                TechniquesOf(frame), t.lights);
   AddUnoccludedRadiance(t.lights, t.surfaces->path, n, w.paths);
 }
 
 // Copies the surface in `row` to rows [begin, begin + n) of the pairs.
 void RepeatVertex(const Worker& w, std::uint32_t row, std::uint32_t begin, std::uint32_t n) {
-  const MergeTables& t = *w.merging;
+  const MergeTables& t = w.of<MergeTables>();
   const SurfaceColumns& s = w.surfaces;
-  const SubpathColumns& at = w.bidirectional->at;
+  const SubpathColumns& at = w.of<BidirectionalTables>().at;
   RepeatSurface(s, row, n, Slice(t.surfaces.columns(), begin));
   const auto repeat = [&](const auto* column, auto* copies) {
     std::fill_n(copies + begin, n, column[row]);
@@ -44,7 +44,7 @@ void RepeatVertex(const Worker& w, std::uint32_t row, std::uint32_t begin, std::
 }  // namespace
 
 void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock& clock) {
-  const SubpathColumns& at = w.bidirectional->at;
+  const SubpathColumns& at = w.of<BidirectionalTables>().at;
   for (std::uint32_t row = 0; row < w.ranges.light_sampled(); ++row) {
     list.photons.push_back(PhotonAt(w.surfaces, row, depth));
     list.path.push_back(w.surfaces->path[row]);
@@ -54,16 +54,16 @@ void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock&
 }
 
 void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
-  const PhotonMap& map = frame.photons->indirect;
+  const PhotonMap& map = frame.find<PhotonMaps>()->indirect;
   if (map.size() == 0) return;
   const PhotonMapView view = map.view();
-  const MergeTables& t = *w.merging;
+  const MergeTables& t = w.of<MergeTables>();
   const SurfaceColumns& s = w.surfaces;
   ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
     std::uint32_t pairs = 0;
     for (std::uint32_t row = rows.begin; row < rows.begin + rows.n; ++row) {
       const float position[3] = {s.org_x[row], s.org_y[row], s.org_z[row]};
-      const PhotonQuery query = {.kernel = frame.options.photons.kernel,
+      const PhotonQuery query = {.kernel = frame.options.of<PhotonOptions>().kernel,
                                  .radius2 = view.radius2,
                                  .normal = {s.ng_x[row], s.ng_y[row], s.ng_z[row]},
                                  .max_depth = frame.options.max_depth - bounce};

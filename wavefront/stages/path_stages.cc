@@ -43,9 +43,11 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
   return open;
 }
 
-ShadePoints Points(const FrameView& frame, const Worker& w) {
+ShadePoints Points(const FrameView& frame, const Worker& w) { return PointsIn(w.ranges, frame, w); }
+
+ShadePoints PointsIn(const SurfaceRanges& ranges, const FrameView& frame, const Worker& w) {
   return {.surfaces = w.surfaces,
-          .ranges = w.ranges,
+          .ranges = ranges,
           .materials = frame.geometry->materials(),
           .paths = w.paths};
 }
@@ -63,8 +65,8 @@ void RememberSurfaces(const Worker& w) {
 
 void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w) {
   if (frame.light_groups == nullptr) return;
-  w.groups->film = &film;
-  const GroupColumns& given = w.groups->given;
+  w.of<GroupTables>().film = &film;
+  const GroupColumns& given = w.of<GroupTables>().given;
   for (float* column : {given.r, given.g, given.b}) std::fill_n(column, n, 0.0f);
 }
 
@@ -103,8 +105,8 @@ template <class Write>
 void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
                 const Write& write) {
   if (frame.light_groups == nullptr) return;
-  write(w.groups->given->group);
-  w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
+  write(w.of<GroupTables>().given->group);
+  w.of<GroupTables>().film->AddToGroups(w.paths, rows, n, w.of<GroupTables>().given);
 }
 
 // Moves those of rays [0, n) that count with what they see of the environment to w.escaped: those
@@ -112,7 +114,7 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
 // hit. Returns their number. Rays from the camera have no control yet.
 std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
                          std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, Worker& w) {
-  if (frame.controls() && bounce > 0) {
+  if (frame.find<ControlView>() != nullptr && bounce > 0) {
     return MoveControlled(rays, queues->queue, n, ControlsOf(frame, w).out, w.escaped);
   }
   MoveEscaped(rays, queues->queue, n, w.escaped);
@@ -139,9 +141,10 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
 }
 
 ControlRows ControlsOf(const FrameView& frame, const Worker& w) {
-  if (!w.control) return {};
-  return {.out = w.control->subtracted,
-          .weight = frame.weighs_control() ? w.control->weights->weight : nullptr};
+  const auto* const known = frame.find<ControlView>();
+  const auto* const tables = w.tables.find<ControlTables>();
+  if (known == nullptr || tables == nullptr) return {};
+  return {.out = tables->subtracted, .weight = known->weighs() ? tables->weights->weight : nullptr};
 }
 
 SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
@@ -174,8 +177,8 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                   frame.geometry->instances(), w.ranges.total(), w.surfaces);
   TextureSurfaces(frame, end, w.ranges, w.surfaces);
-  if (frame.weighs_control()) {
-    FindControlWeights(frame.control_weights, w.ranges.total(), w.surfaces, w.control->weights);
+  if (const auto* const known = frame.find<ControlView>(); known != nullptr && known->weighs()) {
+    FindControlWeights(known->weights, w.ranges.total(), w.surfaces, w.of<ControlTables>().weights);
   }
   CheckSurfaces(w.surfaces, w.ranges.total());
   clock.Lap(Stage::kSurface);
@@ -256,7 +259,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);
     }
     TraceLights(frame, keys, w, clock);
-    if (frame.controls()) {
+    if (frame.find<ControlView>() != nullptr) {
       SubtractControl(ControlsOf(frame, w).out, w.surfaces->path, n, w.paths);
       KeepGroups(frame, w.surfaces->path, n, w,
                  [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
@@ -272,9 +275,8 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
 std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock) {
-  const std::uint32_t n =
-      Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(frame, w));
+  const std::uint32_t n = Scatter(frame, Points(frame, w), {end, bounce, first_kind}, w.scratch,
+                                  rays, ControlsOf(frame, w));
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   clock.Lap(Stage::kScatter);
   return n;

@@ -14,6 +14,16 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 
 // Returns the surfaces of the current bounce, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
+// The same of some of them, which must outlive the points.
+ShadePoints PointsIn(const SurfaceRanges& ranges, const FrameView& frame, const Worker& w);
+
+// A control variate needs these tables.
+struct ControlTables {
+  explicit ControlTables(std::uint32_t wave) : subtracted(wave), weights(wave) {}
+  // What is subtracted from the current light samples, then from the rays that scatter.
+  soa::Table<ControlColumns> subtracted;
+  soa::Table<ControlWeightColumns> weights;  // of the current surfaces
+};
 
 // Returns the worker's columns for a control variate; null where there is none.
 ControlRows ControlsOf(const FrameView& frame, const Worker& w);

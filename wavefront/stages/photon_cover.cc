@@ -55,8 +55,10 @@ void Trace(const FrameView& frame, const CoverTables& t, std::uint32_t n, Render
 
 }  // namespace
 
-void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
-                DiskSurface* surfaces, StageClock& clock) {
+void CoverDisks(const FrameView& frame, const CoveredDisks& of, RenderStats& stats,
+                StageClock& clock) {
+  const std::uint32_t n = of.count;
+  PhotonDisk* const disks = of.disks;
   if (n == 0) return;
   const CoverTables t;
   const RayColumns& rays = t.rays;
@@ -71,12 +73,12 @@ void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, Rend
     disks[i].height *= std::max(0.5f * rays.t_far[i] / disks[i].height, kLeastHeight);
   }
   for (std::uint32_t i = 0; i < n; ++i) {
-    AimAtDisk(disks[i], frame.options.photons.kernel, Slice(rays, i * kDiskCells));
+    AimAtDisk(disks[i], of.kernel, Slice(rays, i * kDiskCells));
   }
   Trace(frame, t, n * kDiskCells, stats, clock);
   for (std::uint32_t i = 0; i < n; ++i) {
     FindSeenCells(disks[i], frame.geometry->triangles(), Slice(rays, i * kDiskCells),
-                  Slice(hits, i * kDiskCells), surfaces[i]);
+                  Slice(hits, i * kDiskCells), of.seen[i]);
   }
 }
 

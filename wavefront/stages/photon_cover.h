@@ -10,9 +10,20 @@
 
 namespace skywave {
 
-// Writes what is seen of disks [0, n), n <= kLookupBlock; their heights are chosen here. The time
+// Queries per batch.
+inline constexpr std::uint32_t kLookupBlock = 16;
+
+// Disks [0, count), count <= kLookupBlock, and what is seen of each.
+struct CoveredDisks {
+  PhotonKernel kernel;
+  PhotonDisk* disks;
+  DiskSurface* seen;
+  std::uint32_t count;
+};
+
+// Writes what is seen of disks, whose heights are chosen here. The time
 // that is on the clock before counts as looking photons up.
-void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
-                DiskSurface* surfaces, StageClock& clock);
+void CoverDisks(const FrameView& frame, const CoveredDisks& of, RenderStats& stats,
+                StageClock& clock);
 
 }  // namespace skywave

@@ -65,6 +65,90 @@ float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32
   return std::max(farthest2, 0x1p-40f * largest2);
 }
 
+// What all blocks of a lookup have in common.
+struct PhotonLookups {
+  const FrameView& frame;
+  const PhotonOptions& options;
+  PhotonMapView map;
+  const SurfaceColumns& surfaces;
+  PhotonTables& tables;
+  std::uint32_t max_depth;
+  std::uint32_t room;  // for the photons of a surface
+
+  // Returns where the photons of surface `i` of a block are.
+  NeighborColumns found(std::uint32_t i) const { return Slice(tables.found.columns(), i * room); }
+};
+
+// The lookups of a few surfaces. Disks that may be cut come first, `cut` of them; those that look
+// whole are counted from the end, from `whole` on. `row` is the surface of each disk in the block;
+// photons and searches go by surface.
+struct PhotonBlock {
+  std::uint32_t cut = 0, whole = kLookupBlock;
+  PhotonDisk disks[kLookupBlock];
+  DiskSurface seen[kLookupBlock];
+  std::uint32_t row[kLookupBlock];
+  std::uint32_t count[kLookupBlock];
+  RangeSearch searches[kLookupBlock];  // where the radius shrinks from pass to pass
+};
+
+// Finds the photons of a block: the nearest ones, or the first of those within a radius that
+// shrinks from pass to pass. A disk that looks whole needs no rays. The first part of a range
+// search is no fair sample of its disk.
+void FindPhotons(const PhotonLookups& of, const BsdfRows& rows, PhotonBlock& block) {
+  const SurfaceColumns& s = of.surfaces;
+  const bool progressive = of.options.progressive();
+  const std::uint32_t wanted = of.options.neighbors;
+  if (!progressive) {
+    FindNearest(of.map.tree, s.org_x + rows.begin, s.org_y + rows.begin, s.org_z + rows.begin,
+                rows.n, wanted, of.map.radius2, of.tables.found, block.count);
+  }
+  for (std::uint32_t i = 0; i < rows.n; ++i) {
+    const NeighborColumns found = of.found(i);
+    PhotonDisk disk = DiskOf(s, rows.begin + i, of.map.radius2);
+    if (progressive) {
+      block.searches[i] = StartRangeSearch(of.map.tree, disk.point, of.map.radius2);
+      block.count[i] = FindMore(of.map.tree, block.searches[i], of.room, found);
+    } else {
+      disk.radius2 = DiskRadius2(found, block.count[i], wanted, of.map.radius2);
+    }
+    if (block.count[i] == 0) continue;
+    const bool doubtful =
+        progressive || block.count[i] < wanted ||
+        !LooksWhole(disk, of.options.kernel, of.map.photons, of.map.tree, found, block.count[i]);
+    const std::uint32_t at = doubtful ? block.cut++ : --block.whole;
+    block.disks[at] = disk, block.row[at] = i;
+    if (!doubtful) block.seen[at].seen = kAllCells;
+  }
+}
+
+// Adds what the surfaces of a block reflect of their photons, divided by the area of the part of
+// each disk that is surface.
+void ReflectPhotons(const PhotonLookups& of, const BsdfKernels& bsdf, const BsdfRows& rows,
+                    PhotonBlock& block, const PathColumns& paths) {
+  const PhotonMapView& map = of.map;
+  for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
+    if (i >= block.cut && i < block.whole) continue;
+    const std::uint32_t row = block.row[i];
+    const NeighborColumns found = of.found(row);
+    const Lookup at = {.map = map,
+                       .surfaces = of.surfaces,
+                       .row = rows.begin + row,
+                       .bsdf = bsdf,
+                       .materials = of.frame.geometry->materials()};
+    const PhotonQuery query = QueryOf(block.disks[i], of.options.kernel, of.max_depth);
+    float rgb[3] = {};
+    for (std::uint32_t n = block.count[row]; n > 0;) {
+      if (i < block.cut) {
+        CloseUnseen(block.disks[i], of.options.kernel, block.seen[i], map.photons, map.tree, found,
+                    n);
+      }
+      AddReflected(at, query, found, n, of.tables, rgb);
+      n = of.options.progressive() ? FindMore(map.tree, block.searches[row], of.room, found) : 0;
+    }
+    AddToPath(of.surfaces, at.row, 1 / CoverOf(block.seen[i].seen), rgb, paths);
+  }
+}
+
 }  // namespace
 
 Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth) {
@@ -107,65 +191,21 @@ void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, P
 void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, Worker& w,
                 StageClock& clock) {
   if (map.size() == 0) return;
-  const PhotonOptions& options = frame.options.photons;
-  const PhotonMapView view = map.view();
-  const SurfaceColumns& s = w.surfaces;
-  PhotonTables& t = *w.photon;
-  const std::uint32_t room = NearestRoom(options.neighbors);
+  const auto& options = frame.options.of<PhotonOptions>();
+  const PhotonLookups lookups = {.frame = frame,
+                                 .options = options,
+                                 .map = map.view(),
+                                 .surfaces = w.surfaces,
+                                 .tables = w.of<PhotonTables>(),
+                                 .max_depth = max_depth,
+                                 .room = NearestRoom(options.neighbors)};
   ForEachBsdfBlock(
-      w.ranges, kDenseBsdfs, kLookupBlock, [&](const BsdfKernels& bsdf, const BsdfRows& block) {
-        std::uint32_t count[kLookupBlock], row[kLookupBlock];
-        DiskSurface surfaces[kLookupBlock];
-        // Disks that may be cut come first; those that look whole are counted from the end.
-        std::uint32_t cut = 0, whole = kLookupBlock;
-        RangeSearch searches[kLookupBlock];
-        PhotonDisk disks[kLookupBlock];
-        if (!options.progressive()) {
-          FindNearest(view.tree, s.org_x + block.begin, s.org_y + block.begin,
-                      s.org_z + block.begin, block.n, options.neighbors, view.radius2, t.found,
-                      count);
-        }
-        for (std::uint32_t i = 0; i < block.n; ++i) {
-          const NeighborColumns found = Slice(t.found.columns(), i * room);
-          PhotonDisk disk = DiskOf(s, block.begin + i, view.radius2);
-          if (options.progressive()) {
-            searches[i] = StartRangeSearch(view.tree, disk.point, view.radius2);
-            count[i] = FindMore(view.tree, searches[i], room, found);
-          } else {
-            disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
-          }
-          if (count[i] == 0) continue;
-          // A disk that looks whole needs no rays. The first part of a range search is no fair
-          // sample.
-          const bool doubtful =
-              options.progressive() || count[i] < options.neighbors ||
-              !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]);
-          if (doubtful) {
-            disks[cut] = disk, row[cut++] = i;
-          } else {
-            disks[--whole] = disk, row[whole] = i, surfaces[whole].seen = kAllCells;
-          }
-        }
-        CoverDisks(frame, disks, cut, w.stats, surfaces, clock);
-        for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
-          if (i >= cut && i < whole) continue;
-          const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
-          const Lookup at = {.map = view,
-                             .surfaces = s,
-                             .row = block.begin + row[i],
-                             .bsdf = bsdf,
-                             .materials = frame.geometry->materials()};
-          const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
-          float rgb[3] = {};
-          for (std::uint32_t n = count[row[i]]; n > 0;) {
-            if (i < cut) {
-              CloseUnseen(disks[i], options.kernel, surfaces[i], view.photons, view.tree, found, n);
-            }
-            AddReflected(at, query, found, n, t, rgb);
-            n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
-          }
-          AddToPath(s, at.row, 1 / CoverOf(surfaces[i].seen), rgb, w.paths);
-        }
+      w.ranges, kDenseBsdfs, kLookupBlock, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
+        PhotonBlock block;
+        FindPhotons(lookups, rows, block);
+        const CoveredDisks disks = {options.kernel, block.disks, block.seen, block.cut};
+        CoverDisks(frame, disks, w.stats, clock);
+        ReflectPhotons(lookups, bsdf, rows, block, w.paths);
       });
   clock.Lap(Stage::kPhotons);
 }

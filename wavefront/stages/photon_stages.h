@@ -5,11 +5,33 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/light_paths/point_tree.h"
 #include "wavefront/frame.h"
 #include "wavefront/records/photon_map.h"
+#include "wavefront/stages/photon_cover.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
+
+// Photons need these tables.
+struct PhotonTables {
+  PhotonTables(std::uint32_t wave, std::uint32_t neighbors)
+      : rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
+        surfaces(wave),
+        found(kLookupBlock * NearestRoom(neighbors)),
+        repeated(NearestRoom(neighbors)),
+        lights(NearestRoom(neighbors)),
+        values(NearestRoom(neighbors)) {}
+  // The final gather has rays of its own, and surfaces that they have left or meet.
+  soa::Table<RayColumns> rays[2];
+  soa::Table<SurfaceColumns> surfaces;
+  SurfaceRanges ranges;
+  soa::Table<NeighborColumns> found;
+  // A surface is repeated, with what it reflects, for each photon near it.
+  soa::Table<SurfaceColumns> repeated;
+  soa::Table<LightColumns> lights;
+  soa::Table<BsdfValueColumns> values;
+};
 
 // The photons of a wave of light paths for one map. They are in the order of surfaces while paths
 // are traced, and then in that of paths.

@@ -218,19 +218,21 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
                     const LightColumns& lights, const ControlRows& control) {
   const MaterialView materials = frame.geometry->materials();
+  const auto* const known_light = frame.find<ControlView>();
+  const MisPolicy mis = frame.mis();
   ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
     const SurfaceColumns at = Slice(surfaces, rows.begin);
     const LightColumns lights_at = Slice(lights, rows.begin);
-    if (!frame.controls()) {
-      bsdf.evaluate_lights(at, materials, rows.n, frame.mis(), lights_at);
+    if (known_light == nullptr) {
+      bsdf.evaluate_lights(at, materials, rows.n, mis, lights_at);
       return;
     }
-    const LightControl known = {.irradiance = frame.irradiance,
+    const LightControl known = {.irradiance = known_light->irradiance,
                                 .weight = At(control.weight, rows.begin),
                                 .with_integral = index == 0,
                                 .reach = reach.limited() ? reach->distance + rows.begin : nullptr,
                                 .out = Slice(control.out, rows.begin)};
-    bsdf.evaluate_controlled_lights(at, materials, rows.n, frame.mis(), known, lights_at);
+    bsdf.evaluate_controlled_lights(at, materials, rows.n, mis, known, lights_at);
   });
   if (reach.limited()) LimitShadows(reach->distance, ranges.light_sampled(), lights);
 }
@@ -247,34 +249,34 @@ void CloseTransparentSamples(const FrameView& frame, const LightPlaces& places, 
   }
 }
 
-std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
-                      const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                      std::uint32_t first_kind, std::uint32_t bounce,
-                      const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlRows& control) {
-  const MaterialView materials = frame.geometry->materials();
-  const bool roulette = bounce >= kFirstRouletteBounce;
-  assert(!frame.controls() || control.out.r != nullptr);
+std::uint32_t Scatter(const FrameView& frame, const ShadePoints& points, const Scattering& how,
+                      const Scratch& scratch, const RayColumns& rays, const ControlRows& control) {
+  const auto* const known_light = frame.find<ControlView>();
+  assert(known_light == nullptr || control.out.r != nullptr);
+  const DirectionUniforms direction(scratch);
+  const LobeUniforms lobe(scratch);
+  const bool roulette = how.bounce >= kFirstRouletteBounce;
+  const auto draw = [&](const BsdfRows& at, SampleUse use, const UniformColumns& uniforms) {
+    DrawUniforms(points.paths, points.surfaces.path + at.begin, at.n,
+                 how.end.pairs + SamplePair(how.bounce, use), how.end.split, uniforms);
+  };
   std::uint32_t appended = 0;
-  const BsdfSpan bsdfs = {.first = first_kind, .end = kBsdfKinds};
-  ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
-    const SurfaceColumns rows = Slice(surfaces, at.begin);
-    DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
-                 end.split, direction);
-    if (bsdf.lobed || roulette) {
-      DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kLobe),
-                   end.split, lobe);
-    }
+  const BsdfSpan bsdfs = {.first = how.first_kind, .end = kBsdfKinds};
+  ForEachBsdf(points.ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+    draw(at, SampleUse::kScatter, direction);
+    if (bsdf.lobed || roulette) draw(at, SampleUse::kLobe, lobe);
     const LightControl known = {
-        .irradiance = frame.irradiance, .weight = At(control.weight, at.begin), .out = control.out};
+        .irradiance = known_light != nullptr ? known_light->irradiance : IrradianceView{},
+        .weight = At(control.weight, at.begin),
+        .out = control.out};
     const ScatterPolicy policy = {.roulette = roulette,
                                   .first_row = at.begin,
-                                  .transport = end.transport,
-                                  .control = frame.controls() ? &known : nullptr};
+                                  .transport = how.end.transport,
+                                  .control = known_light != nullptr ? &known : nullptr};
     const std::uint32_t first = appended;
-    appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, at.n, policy,
-                            rays, appended);
-    if (frame.controls() && bsdf.delta) {
+    appended = bsdf.scatter(Slice(points.surfaces, at.begin), points.materials,
+                            {.direction = direction, .lobe = lobe}, at.n, policy, rays, appended);
+    if (known_light != nullptr && bsdf.delta) {
       for (float* column : {control.out.r, control.out.g, control.out.b}) {
         std::fill(column + first, column + appended, 0.0f);
       }

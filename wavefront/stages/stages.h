@@ -95,6 +95,14 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
 // Bounces before this one are never cut by roulette.
 inline constexpr std::uint32_t kFirstRouletteBounce = 3;
 
+// What is known beforehand of the light of the environment on diffuse surfaces: stages subtract it
+// from samples and add its integral (a control variate). A frame without has none.
+struct ControlView {
+  IrradianceView irradiance;       // of the map, where nothing hides it
+  ControlWeightView weights = {};  // without weights: it weighs 1 everywhere
+  bool weighs() const { return weights.weight != nullptr; }
+};
+
 // The columns of a control variate: what is subtracted, one row for each light sample or scattered
 // ray, and what the control weighs at each surface; null: 1.
 struct ControlRows {
@@ -114,12 +122,17 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
 void CloseTransparentSamples(const FrameView& frame, const LightPlaces& places, const RayKeys& keys,
                              std::uint32_t n, float* t_far);
 
-// Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
-// their number. With a control variate, `control` gets what is subtracted for each of them.
-std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
-                      const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                      std::uint32_t first_kind, std::uint32_t bounce,
-                      const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlRows& control = {});
+// Which surfaces scatter, and by which random numbers.
+struct Scattering {
+  PathEnd end;
+  std::uint32_t bounce;          // of the surfaces
+  std::uint32_t first_kind = 0;  // those of BSDFs [first_kind, kBsdfKinds) scatter
+};
+
+// Scatters surfaces and writes the rays that go on; returns their number. With a control variate,
+// `control` gets what is subtracted for each of them.
+std::uint32_t Scatter(const FrameView& frame, const ShadePoints& points, const Scattering& how,
+                      const Scratch& scratch, const RayColumns& rays,
+                      const ControlRows& control = {});
 
 }  // namespace skywave

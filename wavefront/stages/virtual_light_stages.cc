@@ -14,7 +14,7 @@ namespace {
 
 // Evaluates the current surfaces towards the light, and the light towards them.
 void EvaluateEnds(const MaterialView& materials, std::uint32_t kind, std::uint32_t n, Worker& w) {
-  VirtualLightTables& t = *w.virtual_lights;
+  VirtualLightTables& t = w.of<VirtualLightTables>();
   ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
     const SurfaceColumns rows = Slice(w.surfaces.columns(), at.begin);
     const LightColumns to = Slice(w.lights.columns(), at.begin);
@@ -44,8 +44,8 @@ void BoundGains(const VirtualLights& set, std::uint32_t n, const LightColumns& l
 void AddVirtualLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const VirtualLights& set = *frame.virtual_lights;
-  VirtualLightTables& t = *w.virtual_lights;
+  const VirtualLights& set = *frame.find<VirtualLights>();
+  VirtualLightTables& t = w.of<VirtualLightTables>();
   const SurfaceColumns& s = w.surfaces;
   // The light is repeated for every surface, in its row.
   for (std::uint32_t i = 0; i < n; ++i) t.light.row_of_path->index[s.path[i]] = i;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "bench/measure/converge/report.h"
-#include "job/option.h"
 #include "job/request.h"
 #include "job/watch.h"
+#include "wavefront/option.h"
 
 namespace skywave {
 

@@ -1,4 +1,4 @@
-#include "job/option.h"
+#include "wavefront/option.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {

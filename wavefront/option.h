@@ -17,7 +17,7 @@
 
 #include "base/names.h"
 #include "base/nearest_name.h"
-#include "wavefront/frame.h"
+#include "wavefront/integrator.h"
 
 namespace skywave {
 
@@ -65,8 +65,8 @@ struct OptionInfo {
   bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
   int most_values = 1;         // more than 1: a list, separated by spaces
   char delimiter = 0;          // of a list in one word, 0: none
-  std::string_view needs = {}, excludes = {};  // another option
-  bool (*applies)(Integrator) = nullptr;       // null: to all integrators
+  std::string_view needs = {}, excludes = {};    // another option
+  std::function<bool(Integrator)> applies = {};  // null: to all integrators
 
   // Filled in by MakeOption.
   std::string values = {};           // see Codec
@@ -199,16 +199,23 @@ std::string Joined(const OptionInfo& option, const std::vector<std::string>& tex
 // "'text' is not VALUES", as half a sentence of an error message.
 std::string NotAValue(const std::string& text, const std::string& values);
 
-// The option `info` of the field at `field(request)`: a value, an optional, or a vector for a list.
+// A field of a request, to be read and to be changed.
+template <class Request, class Target>
+struct FieldOf {
+  const Target& (*read)(const Request&);
+  Target& (*change)(Request&);
+};
+
+// The option `info` of a field: a value, an optional, or a vector for a list.
 template <class Request, class Target, class Value>
-OptionOf<Request> OptionOfField(const OptionInfo& info, Target& (*field)(Request&),
+OptionOf<Request> OptionOfField(const OptionInfo& info, const FieldOf<Request, Target>& field,
                                 const Codec<Value>& codec) {
   OptionOf<Request> option = {info, {}, {}};
   option.values = codec.values;
   option.value_name = info.metavar.empty() ? codec.metavar : std::string(info.metavar);
   option.is_switch = codec.is_switch;
   option.set = [field, codec](Request& request, const std::vector<std::string>& texts) {
-    Target& target = field(request);
+    Target& target = field.change(request);
     if constexpr (IsVector<Target>::value) target.clear();
     for (const std::string& text : texts) {
       const std::optional<Value> value = codec.parse(text);
@@ -222,7 +229,7 @@ OptionOf<Request> OptionOfField(const OptionInfo& info, Target& (*field)(Request
     return std::string();
   };
   option.get = [field, codec](const Request& request) {
-    const Target& source = field(const_cast<Request&>(request));
+    const Target& source = field.read(request);
     std::vector<std::string> texts;
     const auto add = [&](const Value& value) {
       if (std::string text = codec.print(value); !text.empty()) texts.push_back(std::move(text));
@@ -252,7 +259,7 @@ OptionOf<Request> OptionOfField(const OptionInfo& info, Target& (*field)(Request
 template <class Request, class Field, class Value>
 OptionOf<Request> MakeOption(const OptionInfo& info, Field field, const Codec<Value>& codec) {
   using Target = std::remove_reference_t<decltype(field(std::declval<Request&>()))>;
-  return OptionOfField<Request, Target, Value>(info, field, codec);
+  return OptionOfField<Request, Target, Value>(info, {field, field}, codec);
 }
 
 // The same for the options of one request, whose type is named once.
