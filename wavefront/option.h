@@ -257,9 +257,12 @@ OptionOf<Request> OptionOfField(const OptionInfo& info, const FieldOf<Request, T
 // called through a function pointer, options are compiled once per type of field and not once per
 // field.
 template <class Request, class Field, class Value>
-OptionOf<Request> MakeOption(const OptionInfo& info, Field field, const Codec<Value>& codec) {
-  using Target = std::remove_reference_t<decltype(field(std::declval<Request&>()))>;
-  return OptionOfField<Request, Target, Value>(info, {field, field}, codec);
+OptionOf<Request> MakeOption(const OptionInfo& info, Field /*field*/, const Codec<Value>& codec) {
+  using Target = std::remove_reference_t<decltype(std::declval<Field>()(std::declval<Request&>()))>;
+  const FieldOf<Request, Target> both = {
+      .read = [](const Request& request) -> const Target& { return Field()(request); },
+      .change = [](Request& request) -> Target& { return Field()(request); }};
+  return OptionOfField<Request, Target, Value>(info, both, codec);
 }
 
 // The same for the options of one request, whose type is named once.

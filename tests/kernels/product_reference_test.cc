@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernels/bsdf/product.h"
-#include "kernels/lights/directional.h"
 #include "kernels/bsdf/resampling.h"
+#include "kernels/lights/directional.h"
 #include "kernels/lights/texel_samplers.h"
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cell_sampler.h"

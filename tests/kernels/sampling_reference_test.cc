@@ -9,8 +9,8 @@
 #include <functional>
 
 #include "kernels/bsdf/product.h"
-#include "kernels/lights/directional.h"
 #include "kernels/bsdf/resampling.h"
+#include "kernels/lights/directional.h"
 #include "kernels/lights/texel_samplers.h"
 #include "lights/light_sets/directional_lights.h"
 #include "lights/strategies/strategy.h"
