@@ -89,6 +89,7 @@ std::vector<Parameter> ListParameters(Material material) {
     return {{"mixture", Value(*material.mixture)}, {"share", material.mixture->share}};
   }
   if (!material.alpha_across) material.alpha_across = material.alpha;
+  if (!material.reflection) material.reflection = material.reflectance;
   std::vector<Parameter> list;
   for (const MaterialParameter& parameter : ParametersOf(Bsdfs()[std::size_t(material.bsdf)])) {
     Material::ForEachField(material, [&](std::string_view name, MaterialPart, const auto& field) {

@@ -284,7 +284,8 @@ enum class MaterialField : std::uint32_t {
   kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
-  kAbsorption = kK  // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
+  kReflection = kEta,  // dielectrics: that of Material, 0 where it is unset
+  kAbsorption = kK     // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
 };
 
 // A measured BRDF has the coordinates of the MERL database (Matusik et al. 2003): the half angle

@@ -36,7 +36,7 @@ class Hash {
 };
 
 // These add a field of a material. A BSDF goes by its name, so that new ones change no hash; an
-// optional field that is unset goes by a value that it cannot have.
+// optional field that is unset and no part of its own goes by a value that it cannot have.
 template <class T>
 void AddField(const T& field, Hash& hash) {
   hash.Add(field);
@@ -46,6 +46,7 @@ void AddField(const std::optional<float>& field, Hash& hash) { hash.Add(field.va
 void AddField(const std::optional<std::uint32_t>& field, Hash& hash) {
   hash.Add(field.value_or(~0u));
 }
+void AddField(const std::optional<glm::vec3>& field, Hash& hash) { hash.Add(field.value()); }
 void AddField(const std::optional<Mixture>& field, Hash& hash) { hash.Add(field.value()); }
 static_assert(sizeof(Mixture) == 3 * sizeof(std::uint32_t), "padding has no value to hash");
 

@@ -545,6 +545,12 @@ HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
   return {IfThen(total, one, both), cos_t};
 }
 
+// Returns the factor of what a dielectric reflects, of a material whose reflectance is `color`.
+HWY_INLINE V3 ReflectionOf(const MaterialView& m, VU fields, const V3& color) {
+  const V3 own = Field3(m, fields, kReflection);
+  return IfThen(hn::Gt(own.x, hn::Zero(F())), own, color);
+}
+
 // Returns the normal about which a delta BSDF acts, in world space: the shading normal, or the
 // geometric one where the reflection about the shading normal would go into the surface.
 HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {

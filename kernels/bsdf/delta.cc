@@ -1,7 +1,8 @@
 // The delta BSDFs. A mirror reflects by the Fresnel reflectance of a complex index (eta = k = 0 is
 // a perfect mirror). A dielectric is smooth glass: it reflects with the probability of the
 // unpolarised Fresnel reflectance and refracts otherwise (Snell), where radiance is scaled by the
-// squared index ratio. A thin dielectric is a sheet of it.
+// squared index ratio. A thin dielectric is a sheet of it. Both may have another colour for what
+// they reflect (ReflectionOf).
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 
@@ -83,7 +84,8 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     if (policy.transport == Transport::kFlux) {
       factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
     }
-    const V3 weight = ColorOf(s, i) * factor;
+    const V3 color = ColorOf(s, i);
+    const V3 weight = IfThen(reflects, ReflectionOf(m, fields, color), color) * factor;
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }
@@ -127,6 +129,7 @@ BsdfKernels DeltaKernels(const BsdfTraits& traits, decltype(BsdfKernels::scatter
 
 void PackIndex(const Material& m, MeasuredBrdfs, MaterialRecord& r) {
   PutField(r, MaterialField::kIor, m.ior);
+  PackReflection(m, r);
 }
 
 constexpr BsdfTraits kMirrorTraits = {
@@ -138,12 +141,12 @@ constexpr BsdfTraits kDielectricTraits = {.name = "dielectric",
                                           .transmits = true,
                                           .refracts = true,
                                           .inside = true,
-                                          .parameters = {{"ior"}},
+                                          .parameters = {{"ior"}, {"reflection"}},
                                           .pack = PackIndex};
 constexpr BsdfTraits kThinDielectricTraits = {.name = "thin-dielectric",
                                               .lobed = true,
                                               .transmits = true,
-                                              .parameters = {{"ior"}},
+                                              .parameters = {{"ior"}, {"reflection"}},
                                               .pack = PackIndex};
 
 }  // namespace

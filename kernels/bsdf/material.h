@@ -41,6 +41,7 @@ enum class MaterialPart {
   kMetalOfColor,
   kSingleScattering,
   kSecondColorTexture,
+  kReflection,
   kEmission
 };
 
@@ -76,6 +77,9 @@ struct Material {
   glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
   float sheen_alpha = 0.1f;
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
+  // Dielectrics: factor of what they reflect; the reflectance is then that of what they let
+  // through. Unset: the reflectance is the factor of both.
+  std::optional<glm::vec3> reflection;
   // BSDFs with an inside: the light lost there, by Beer and Lambert [1/length].
   glm::vec3 absorption{0.0f};
   // All conductors but Beckmann's, and rough dielectrics: if false, the light that facets scatter
@@ -132,6 +136,8 @@ struct Material {
         return !energy_compensation;
       case MaterialPart::kSecondColorTexture:
         return second_color_texture.has_value();
+      case MaterialPart::kReflection:
+        return reflection.has_value();
       case MaterialPart::kEmission:
         return emission != glm::vec3(0);
     }
@@ -145,10 +151,10 @@ struct Material {
     // A new member does not compile until it is named here; a test counts that all are visited.
     auto& [name, bsdf, reflectance, eta, k, metal_of_color, alpha, alpha_across, ior, metallic,
            second_color, coat, coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen,
-           sheen_alpha, measured, absorption, energy_compensation, color_texture, roughness_texture,
-           second_color_texture, opacity, opacity_cutoff, opacity_texture, normal_texture,
-           normal_scale, height_in_texels, mixture, mixture_texture, emission, emits_on_both_sides,
-           emission_texture] = self;
+           sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
+           roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
+           normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
+           emits_on_both_sides, emission_texture] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -181,6 +187,7 @@ struct Material {
     f("metal_of_color", kMetalOfColor, metal_of_color);
     f("energy_compensation", kSingleScattering, energy_compensation);
     f("second_color_texture", kSecondColorTexture, second_color_texture);
+    f("reflection", kReflection, reflection);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);
     f("emission_texture", kEmission, emission_texture);

@@ -47,6 +47,13 @@ void PackAlpha(const Material& material, MaterialRecord& record) {
   }
 }
 
+void PackReflection(const Material& material, MaterialRecord& record) {
+  if (!material.reflection) return;
+  glm::vec3 reflection = *material.reflection;
+  reflection.x = std::max(reflection.x, 1e-30f);  // 0 would look like one that is unset
+  PutField(record, MaterialField::kReflection, reflection);
+}
+
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of) {
   if (!material.energy_compensation) return;
   glm::vec3 factors;

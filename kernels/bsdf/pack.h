@@ -24,6 +24,8 @@ float MicrofacetWidth(float alpha);
 void PackConductorIndex(const Material& material, MaterialRecord& record);
 // alpha and its texture;
 void PackAlpha(const Material& material, MaterialRecord& record);
+// the factor of what a dielectric reflects;
+void PackReflection(const Material& material, MaterialRecord& record);
 // what facets reflect more than once, by of(eta, k) of each channel, or 0 without compensation;
 using MultiscatterOf = std::function<float(float eta, float k)>;
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of);

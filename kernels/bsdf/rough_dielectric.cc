@@ -68,6 +68,7 @@ struct RoughDielectric {
                              std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
+        reflection(ReflectionOf(m, fields, color)),
         ggx(Field(m, fields, kAlpha)),
         losses(m, fields, i, n) {
     if (m.varied || m.two_widths) ggx = VariedGgx(s, i);
@@ -85,6 +86,7 @@ struct RoughDielectric {
                hn::IfThenElseZero(two_widths, turn.sine)};
   }
 
+  HWY_INLINE V3 ColorTo(MF above) const { return IfThen(above, reflection, color); }
   HWY_INLINE V3 ToTangent(const V3& w) const { return any_two_widths ? tangent.To(w) : w; }
   HWY_INLINE VF Lambda(const V3& w) const {
     const VF round = ggx.Lambda(w);
@@ -136,7 +138,7 @@ struct RoughDielectric {
     const VF multiple = lost_o * lost_i * (lobe * cosine);
     const VF share = IfThen(above, one - through_share, through_share);
     const VF diffuse = share * cosine * kInvPi;
-    return {single.value + color * multiple, single.pdf + lost_o * (diffuse - single.pdf)};
+    return {single.value + ColorTo(above) * multiple, single.pdf + lost_o * (diffuse - single.pdf)};
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
@@ -177,7 +179,7 @@ struct RoughDielectric {
     const VF visible = hn::IfThenElseZero(seen, lobe);
     const VF g2 = one / (one + lambda_o + lambda_i);
     const VF scale = IfThen(above, one, ratio * ratio);
-    return {color * (visible * g2 * scale), visible / (one + lambda_o)};
+    return {ColorTo(above) * (visible * g2 * scale), visible / (one + lambda_o)};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& eye, VF u, VF v, VF lobe) const {
@@ -212,7 +214,7 @@ struct RoughDielectric {
   }
 
   VU fields;
-  V3 color;
+  V3 color, reflection;  // of what passes, and of what is reflected
   Ggx ggx;
   InterfaceLosses losses;
   bool any_two_widths = false;
@@ -246,10 +248,11 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .across = MaterialField::kDielectricAcross,
     .inside = true,
     .tables = {.dielectric = true},
-    .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}},
+    .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}, {"reflection"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
+      PackReflection(m, r);
       if (m.alpha_across) {
         PutField(r, MaterialField::kDielectricAcross, MicrofacetWidth(*m.alpha_across));
       }

@@ -26,13 +26,12 @@ struct Range {
   float low, high;
 };
 constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr Range kRanges[] = {{"reflectance", 0, 1},     {"second_color", 0, 1},
-                             {"alpha", 0, 1},           {"alpha_across", 0, 1},
-                             {"coat_alpha", 0, 1},      {"sheen_alpha", 0, 1},
-                             {"metallic", 0, 1},        {"coat", 0, 1},
-                             {"opacity", 0, 1},         {"coat_albedo", 0, 1},
-                             {"coat_asymmetry", -1, 1}, {"opacity_cutoff", 0, 1},
-                             {"ior", 1e-3f, 1e3f},      {"normal_scale", -kLargest, kLargest}};
+constexpr Range kRanges[] = {
+    {"reflectance", 0, 1},    {"second_color", 0, 1}, {"reflection", 0, 1},
+    {"alpha", 0, 1},          {"alpha_across", 0, 1}, {"coat_alpha", 0, 1},
+    {"sheen_alpha", 0, 1},    {"metallic", 0, 1},     {"coat", 0, 1},
+    {"opacity", 0, 1},        {"coat_albedo", 0, 1},  {"coat_asymmetry", -1, 1},
+    {"opacity_cutoff", 0, 1}, {"ior", 1e-3f, 1e3f},   {"normal_scale", -kLargest, kLargest}};
 
 Range RangeOf(std::string_view field) {
   for (const Range& range : kRanges) {
@@ -81,6 +80,7 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   }
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
+    if (part == MaterialPart::kReflection) return;  // a parameter of BSDFs that list it
     const bool inside = part != MaterialPart::kAbsorption || traits.inside;
     const bool coat = part != MaterialPart::kCoatMedium || traits.tables.coat;
     if (part != MaterialPart::kBsdf && inside && coat) fields.push_back({name, name});

@@ -59,9 +59,11 @@ std::optional<float> FindScalar(Context& context, std::string_view name) {
   return color->x;
 }
 
-// Sets the reflectance of a diffuse surface times `scale`, with its image if it has one.
-void SetReflectance(Context& context, float fallback, Material& material, float scale = 1) {
-  for (const std::string_view name : {"reflectance", "Kd"}) {
+// Sets the reflectance to the first of `names` (v4 and v3) that is given times `scale`, with its
+// image if it has one.
+void SetReflectance(Context& context, std::initializer_list<std::string_view> names, float fallback,
+                    Material& material, float scale = 1) {
+  for (const std::string_view name : names) {
     const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
     if (!texture) continue;
     PbrtTexture scaled = *texture;
@@ -71,7 +73,7 @@ void SetReflectance(Context& context, float fallback, Material& material, float 
     material.color_texture = fraction.image;
     return;
   }
-  for (const std::string_view name : {"reflectance", "Kd"}) {
+  for (const std::string_view name : names) {
     const auto solid = FindSolidTexture(context.parameters, name, context.reader.color_textures);
     if (!solid) continue;
     context.reader.solids.push_back(
@@ -79,12 +81,15 @@ void SetReflectance(Context& context, float fallback, Material& material, float 
     material.reflectance = glm::vec3(scale);
     return;
   }
-  material.reflectance = scale * FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
+  material.reflectance = scale * FractionOr(context, names, glm::vec3(fallback));
+}
+void SetDiffuse(Context& context, float fallback, Material& material, float scale = 1) {
+  SetReflectance(context, {"reflectance", "Kd"}, fallback, material, scale);
 }
 
 Material Lambert(Context& context) {
   Material material;
-  SetReflectance(context, 0.5f, material);
+  SetDiffuse(context, 0.5f, material);
   return material;
 }
 
@@ -131,7 +136,7 @@ Material DiffuseTransmission(Context& context) {
   }
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
-  SetReflectance(context, 0.25f, material, scale);
+  SetDiffuse(context, 0.25f, material, scale);
   if (const auto image =
           FindImageTexture(context.parameters, "transmittance", context.reader.color_textures)) {
     const PbrtTexture fraction = ClampedPbrtTexture(
@@ -157,7 +162,7 @@ Material DiffuseTransmission(Context& context) {
 Material Translucent(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
-  SetReflectance(context, 0.25f, material);
+  SetDiffuse(context, 0.25f, material);
   const glm::vec3 body = material.reflectance;
   material.reflectance = body * FractionOr(context, {"reflect"}, glm::vec3(0.5f));
   material.second_color = body * FractionOr(context, {"transmit"}, glm::vec3(0.5f));
@@ -443,7 +448,7 @@ Material CoatedConductor(Context& context) {
 Material CoatedDiffuse(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kCoatedDiffuse;
-  SetReflectance(context, 0.5f, material);
+  SetDiffuse(context, 0.5f, material);
   if (RoughnessVaries(context, "")) {
     const Roughness roughness = FindRoughness(context, "", 0);
     const Widths widths = VariedWidths(
@@ -465,7 +470,7 @@ Material Coated(Context& context, float fallback) {
   PbrtParameters& parameters = context.parameters;
   Material material;
   material.bsdf = BsdfKind::kMetallicRoughness;
-  SetReflectance(context, fallback, material);
+  SetDiffuse(context, fallback, material);
   material.alpha = FindWidths(context, "", 0.1f, false).mean();
   material.ior = DielectricIndex(context, {"eta", "index"});
   FindFraction(context, "Ks");
@@ -543,11 +548,11 @@ Material Dielectric(Context& context, bool v4) {
     }
     if (widths.solid) context.reader.solids.push_back(*widths.solid);
   }
-  const glm::vec3 reflect = FractionOr(context, {"Kr"}, glm::vec3(1));
-  const glm::vec3 transmit = FractionOr(context, {"Kt"}, glm::vec3(1));
-  if (reflect != glm::vec3(1) || transmit != glm::vec3(1)) {
-    Warn(context, "\"Kr\" and \"Kt\" are not supported: rendered with 1");
-  }
+  // Only version 3 has these: factors of what is reflected and of what passes.
+  SetReflectance(context, {"Kt"}, 1, material);
+  const glm::vec3 reflection = FractionOr(context, {"Kr"}, glm::vec3(1));
+  const bool varies = Find(context.parameters, {"texture"}, "Kt") != nullptr;
+  if (varies || reflection != material.reflectance) material.reflection = reflection;
   return material;
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/bsdf/material.h"
+#include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
@@ -147,6 +149,38 @@ TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
         ASSERT_NEAR(rays->throughput_b[i], 0.25, 1e-6);
       }
       EXPECT_NEAR(double(reflections) / kGrid, 2 * once / (1 + once), 1.01 / kGrid + 2e-5);
+    }
+  }
+}
+
+// What is reflected has the colour that the material gives it, also black, and what passes that of
+// the reflectance.
+TEST(Glass, ReflectionsHaveAColourOfTheirOwn) {
+  constexpr std::uint32_t kGrid = 512;
+  ScatterRows uniforms(kGrid, 3);
+  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
+  for (const BsdfKind kind : {BsdfKind::kDielectric, BsdfKind::kThinDielectric}) {
+    for (const glm::vec3 reflection : {glm::vec3(0, 0.5f, 1), glm::vec3(0.75f, 0, 0)}) {
+      const Material glass = {
+          .bsdf = kind, .reflectance = {1, 0.5f, 0.25f}, .reflection = reflection};
+      const Vec wo = EyeAt(0.2);
+      const ShadingRows rows({"glass", kind, PackMaterial(glass, {})}, kGrid, kNormal, wo);
+      soa::Table<RayColumns> rays(kGrid);
+      const std::uint32_t alive = rows.kernels.scatter(rows.surfaces, rows.materials(),
+                                                       uniforms.view(), kGrid, {}, rays, 0);
+      std::uint32_t reflections = 0;
+      for (std::uint32_t i = 0; i < alive; ++i) {
+        const bool reflects = Dot(RayDirection(rays, i), kNormal) > 0;
+        reflections += reflects;
+        const double squared = kind == BsdfKind::kDielectric ? 1 / (1.5 * 1.5) : 1;
+        const glm::dvec3 exact =
+            reflects ? glm::dvec3(reflection) : squared * glm::dvec3(glass.reflectance);
+        ASSERT_NEAR(rays->throughput_r[i], exact.x, 1e-6);
+        ASSERT_NEAR(rays->throughput_g[i], exact.y, 1e-6);
+        ASSERT_NEAR(rays->throughput_b[i], exact.z, 1e-6);
+      }
+      EXPECT_GT(reflections, kGrid / 4);
+      EXPECT_GT(alive - reflections, kGrid / 4);
     }
   }
 }

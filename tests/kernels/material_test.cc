@@ -23,8 +23,9 @@ TEST(Material, VisitsEveryMemberButTheName) {
   // There are as many names as members: a new member compiles neither here nor without its line
   // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
-               m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34] = m;
-  constexpr std::size_t kMembers = 35;
+               m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34,
+               m35] = m;
+  constexpr std::size_t kMembers = 36;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
@@ -55,6 +56,7 @@ TEST(Material, VisitsEveryMemberButTheName) {
       {"normal_texture", &m.normal_texture},
       {"normal_scale", &m.normal_scale},
       {"height_in_texels", &m.height_in_texels},
+      {"reflection", &m.reflection},
       {"mixture", &m.mixture},
       {"mixture_texture", &m.mixture_texture},
       {"emission", &m.emission},
@@ -95,7 +97,7 @@ TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   std::set<std::string_view> fields, names;
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
-    if (part == MaterialPart::kBsdf) fields.insert(name);
+    if (part == MaterialPart::kBsdf || part == MaterialPart::kReflection) fields.insert(name);
   });
   for (const MaterialParameter& parameter : ParametersOf(bsdf_)) {
     EXPECT_TRUE(fields.contains(parameter.field)) << parameter.field;

@@ -242,6 +242,18 @@ TEST(Materials, RoughAndThinGlassAreRead) {
             BsdfKind::kThinDielectric);
 }
 
+// Version 3 gives what glass reflects and what it lets through a colour each.
+TEST(PbrtMaterials, GlassOfVersion3HasTwoColours) {
+  const Material stained =
+      OnlyMaterial("Material \"glass\" \"rgb Kr\" [.1 .2 .3] \"rgb Kt\" [.7 .8 .9]");
+  EXPECT_EQ(stained.reflectance, glm::vec3(0.7f, 0.8f, 0.9f));
+  EXPECT_EQ(stained.reflection, glm::vec3(0.1f, 0.2f, 0.3f));
+  const Material matt = OnlyMaterial("Material \"glass\" \"rgb Kr\" [0 0 0]");
+  EXPECT_EQ(matt.reflectance, glm::vec3(1));
+  EXPECT_EQ(matt.reflection, glm::vec3(0));
+  EXPECT_FALSE(OnlyMaterial("Material \"glass\" \"rgb Kr\" [1 1 1]").reflection);
+}
+
 TEST(Materials, MixturesAreRead) {
   const char* const kTwo =
       "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"matte\"\n"

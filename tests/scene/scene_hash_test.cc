@@ -133,6 +133,7 @@ TEST(SceneHash, MatchesRecordedValues) {
   conductor.coat_thickness = 0;
   conductor.mixture_texture.reset();
   conductor.second_color_texture.reset();
+  conductor.reflection.reset();
   EXPECT_EQ(HashOf(conductor), 0x3029de41f722c611u);
 }
 

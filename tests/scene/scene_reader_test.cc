@@ -398,7 +398,6 @@ TEST(Warnings, EverythingSkippedIsReported) {
                            "Material \"coateddiffuse\" \"float uroughness\" .4",
                            "Material \"translucent\"",
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
-                           "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
                            "Shape \"cone\"",
                            "Shape \"sphere\" \"integer radius\" 2",

@@ -108,6 +108,11 @@ std::vector<MaterialCase> MakeDenseCases() {
                       {.color = {1, 0.9f, 0.5f}, .alpha = alpha, .ior = 1.5f},
                       back});
     }
+    list.push_back(
+        {"Stained" + side,
+         kRoughDielectric,
+         {.color = {0.2f, 0.6f, 0.9f}, .alpha = 0.3f, .eta = {1, 0.8f, 0.5f}, .ior = 1.5f},
+         back});
     list.push_back({"Bubble" + side,
                     kRoughDielectric,
                     {.color = {1, 1, 1}, .alpha = 0.2f, .ior = 0.75f},

@@ -81,6 +81,11 @@ FormulaValue DiffuseTransmissionFormula(const MaterialRecord& m, Vec wi) {
   return out;
 }
 
+// What glass reflects has a colour of its own where the material gives one.
+const float* GlassColor(const MaterialRecord& m, bool reflects) {
+  return reflects && m.eta[0] > 0 ? m.eta : m.color;
+}
+
 // The equations are Walter et al. 2007, eqs. 20 and 21, in the original terms: the indices of both
 // sides.
 FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
@@ -106,7 +111,7 @@ FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
     out.pdf = (1 - f) * visible * jacobian;
     value = (1 - f) * d / (1 + lo + li) * oh / wo.z * jacobian * Square(near / far);
   }
-  for (int c = 0; c < 3; ++c) out.rgb[c] = m.color[c] * value;
+  for (int c = 0; c < 3; ++c) out.rgb[c] = GlassColor(m, reflects)[c] * value;
   return out;
 }
 
@@ -161,7 +166,7 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   const double share = passes ? through : 1 - through;
   double value = lost_o * share * lost(wi_inside, wi) / mean(wi_inside) * cosine / kPi;
   if (passes) value *= material.back ? Square(m.ior) : 1 / Square(m.ior);
-  for (int c = 0; c < 3; ++c) out.rgb[c] += m.color[c] * value;
+  for (int c = 0; c < 3; ++c) out.rgb[c] += GlassColor(m, !passes)[c] * value;
   out.pdf = (1 - lost_o) * out.pdf + lost_o * share * cosine / kPi;
   return out;
 }

@@ -23,6 +23,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .coat_thickness = 0.5f,
           .sheen = {0.3f, 0.2f, 0.1f},
           .sheen_alpha = 0.25f,
+          .reflection = glm::vec3(0.75f, 0.5f, 0.25f),
           .absorption = {1, 2, 3},
           .color_texture = 1,
           .roughness_texture = 2,
