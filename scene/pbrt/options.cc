@@ -27,7 +27,7 @@ Implementation ReadImplementation(PbrtReader& reader, PbrtSource& source, const 
   }
   const std::string type = ExpectString(source, fmt::format("the type of {}", word.text));
   return {type, ReadParameters(source, PositionOf(source, word),
-                               fmt::format("{} \"{}\"", word.text, type))};
+                               fmt::format("{} \"{}\"", word.text, type), reader.warnings)};
 }
 
 void Note(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
@@ -200,6 +200,14 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
                        fmt::format("{}: \"iso\" is {}", parameters.directive, *iso));
     }
     reader.film_gain = *iso / 100;
+  }
+  // Version 3 multiplies the values that it writes.
+  if (const auto scale = reader.v3 ? FindFloat(parameters, "scale") : std::nullopt) {
+    if (!(*scale > 0 && *scale <= 1e18f)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"scale\" is {}", parameters.directive, *scale));
+    }
+    reader.film_gain = *scale;
   }
   if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
     Warn(reader, parameters,

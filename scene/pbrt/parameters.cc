@@ -204,15 +204,20 @@ std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter) {
 }
 
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
-                              const std::string& directive) {
+                              const std::string& directive, Warnings& warnings) {
   PbrtParameters parameters{position, directive, {}};
   while (PeekToken(source).kind == PbrtTokenKind::kString) {
     PbrtParameter parameter = ReadParameter(source);
-    for (const PbrtParameter& other : parameters.list) {
-      if (other.name == parameter.name && other.type == parameter.type) {
-        throw InputError(parameter.position, fmt::format("{}: \"{} {}\" is given twice", directive,
-                                                         parameter.type, parameter.name));
-      }
+    const auto earlier = std::find_if(
+        parameters.list.begin(), parameters.list.end(), [&](const PbrtParameter& other) {
+          return other.name == parameter.name && other.type == parameter.type;
+        });
+    if (earlier != parameters.list.end()) {
+      AddWarning(warnings, parameter.position,
+                 fmt::format("{}: \"{} {}\" is given twice: the last one counts", directive,
+                             parameter.type, parameter.name));
+      *earlier = std::move(parameter);
+      continue;
     }
     if (parameters.list.size() == kMaxPbrtParameters) {
       throw InputError(parameter.position, fmt::format("{} has more than {} parameters", directive,
@@ -275,8 +280,7 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
   if (found->type == "texture") {
     const auto texture = textures.find(Single(*found, found->strings));
     if (texture == textures.end()) {
-      throw InputError(found->position,
-                       fmt::format("there is no texture \"{}\"", found->strings[0]));
+      return not_simple(fmt::format("names no texture that is there (\"{}\")", found->strings[0]));
     }
     if (!texture->second.value || texture->second.image) {
       return not_simple(fmt::format("(\"{}\") varies", found->strings[0]));

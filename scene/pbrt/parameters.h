@@ -60,9 +60,10 @@ using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
 inline constexpr std::size_t kMaxPbrtParameters = 256;
 
 // Reads parameters up to the next directive. Throws InputError on an unknown type, a value that
-// does not fit its type, a missing bracket or a name given twice.
+// does not fit its type, or a missing bracket. As in pbrt, the last of several parameters of a name
+// and type counts; that is a warning.
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
-                              const std::string& directive);
+                              const std::string& directive, Warnings& warnings);
 
 // Returns the parameter with that name and one of those types, or null.
 PbrtParameter* Find(PbrtParameters& parameters, std::initializer_list<std::string_view> types,
@@ -85,7 +86,8 @@ enum class SpectrumUse { kReflectance, kEmission };
 // Returns a linear Rec. 709 colour: rgb or color in the space of the parameters, xyz, a float
 // (grey), a constant texture, a blackbody, or a spectrum: pairs of wavelength and value, a file of
 // them, or a standard illuminant by name. Colours outside of Rec. 709 are clamped at 0, with a
-// warning. For other names and for textures that vary, adds a warning and returns nothing.
+// warning. For other names, for unknown textures and for those that vary, adds a
+// warning and returns nothing.
 std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view name,
                                    const PbrtTextures& textures, Warnings& warnings,
                                    SpectrumUse use = SpectrumUse::kReflectance);

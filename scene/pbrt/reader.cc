@@ -153,10 +153,10 @@ PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::st
   return nullptr;
 }
 
-PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+PbrtParameters ReadParametersAndAttributes(PbrtReader& reader, PbrtSource& source,
                                            const InputPosition& position, std::string_view kind,
                                            const std::string& directive) {
-  PbrtParameters parameters = ReadParameters(source, position, directive);
+  PbrtParameters parameters = ReadParameters(source, position, directive, reader.warnings);
   parameters.color_space = reader.state.color_space;
   if (!reader.state.attributes) return parameters;
   const auto given = reader.state.attributes->find(kind);

@@ -25,7 +25,7 @@ namespace skywave {
 
 // Limits on the nesting of includes, on their total number, and on the nesting of scopes.
 inline constexpr int kMaxPbrtIncludeDepth = 16;
-inline constexpr int kMaxPbrtIncludes = 10000;
+inline constexpr int kMaxPbrtIncludes = 100000;
 inline constexpr int kMaxPbrtScopes = 4096;
 
 Scene ReadPbrt(const std::string& path, const ReadOptions& options = {});

@@ -110,7 +110,7 @@ struct PbrtReader {
 
 // Returns the parameters that follow a directive, and those that Attribute gives to its kind unless
 // the directive overrides them.
-PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+PbrtParameters ReadParametersAndAttributes(PbrtReader& reader, PbrtSource& source,
                                            const InputPosition& position, std::string_view kind,
                                            const std::string& directive);
 

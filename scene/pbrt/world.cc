@@ -61,8 +61,9 @@ void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
     throw InputError(PositionOf(source, word), "ObjectBegin inside another object");
   }
   const auto index = std::uint32_t(reader.scene.objects.size());
-  if (!reader.objects.try_emplace(name, index).second) {
-    throw InputError(PositionOf(source, word), fmt::format("a second object \"{}\"", name));
+  if (!reader.objects.insert_or_assign(name, index).second) {
+    AddWarning(reader.warnings, PositionOf(source, word),
+               fmt::format("a second object \"{}\": instances that follow show this one", name));
   }
   OpenPbrtScope(reader, source, word);
   reader.scene.objects.push_back({.name = name, .meshes = {}});
@@ -224,7 +225,10 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
   const std::string name = ExpectString(source, "the name of a material");
   const auto found = reader.named_materials.find(name);
   if (found == reader.named_materials.end()) {
-    throw InputError(PositionOf(source, word), fmt::format("there is no material \"{}\"", name));
+    // Version 3 goes on with the material that there was; version 4 ends with an error.
+    AddWarning(reader.warnings, PositionOf(source, word),
+               fmt::format("there is no material \"{}\": the one before it stays", name));
+    return;
   }
   reader.state.material = found->second;
 }
@@ -234,7 +238,7 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string kind = ExpectString(source, "the kind of Attribute");
   const PbrtParameters given =
-      ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
+      ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind), reader.warnings);
   if (kind == "medium") {
     AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
     return;
@@ -258,7 +262,7 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 // Skips `Word "name" parameters`, a directive without effect on the picture.
 void IgnoreNamed(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, fmt::format("the name of {}", word.text));
-  ReadParameters(source, PositionOf(source, word), std::string(word.text));
+  ReadParameters(source, PositionOf(source, word), std::string(word.text), reader.warnings);
   AddWarning(reader.warnings, PositionOf(source, word),
              fmt::format("{} \"{}\" is not supported: ignored", word.text, name));
 }
