@@ -126,7 +126,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
   constexpr OptionMaker<CompareFlags> option = {};
   // clang-format off
   return {
-    option({.name = "image", .help = "EXR, HDR, PFM, PNG, JPEG, TGA, BMP, GIF or QOI", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
+    option({.name = "image", .help = "EXR, HDR, PFM, PNG, JPEG, TGA, BMP, GIF, QOI or WebP", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
     option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
     option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
     option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),

@@ -26,6 +26,9 @@ std::string LowerCaseEnding(const std::string& path) {
 constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG",
                            kJpegMagic = "\xff\xd8", kBmpMagic = "BM", kGifMagic = "GIF8",
                            kQoiMagic = "qoif";
+bool IsWebp(std::string_view bytes) {
+  return StartsWith(bytes, "RIFF") && bytes.size() >= 12 && StartsWith(bytes.substr(8), "WEBP");
+}
 using Decoder8Bit = Image (*)(const std::string& path, std::string_view bytes, Encoding encoding,
                               const ReadLimits& limits);
 
@@ -37,6 +40,7 @@ Decoder8Bit FindDecoder8Bit(const std::string& name, std::string_view bytes) {
   if (StartsWith(bytes, kBmpMagic)) return DecodeBmp;
   if (StartsWith(bytes, kGifMagic)) return DecodeGif;
   if (StartsWith(bytes, kQoiMagic)) return DecodeQoi;
+  if (IsWebp(bytes)) return DecodeWebp;
   return LowerCaseEnding(name) == ".tga" ? DecodeTga : nullptr;
 }
 
@@ -128,8 +132,8 @@ Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding en
   return decode ? decode(name, bytes, encoding, limits) : DecodeImage(name, bytes, limits);
 }
 
-bool IsPngOrJpeg(std::string_view bytes) {
-  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic);
+bool IsGltfImage(std::string_view bytes) {
+  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic) || IsWebp(bytes);
 }
 
 bool IsOfScreen(const std::string& path) {

@@ -35,6 +35,8 @@ Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encodi
                 const ReadLimits& limits);
 Image DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits);
+Image DecodeWebp(const std::string& path, std::string_view bytes, Encoding encoding,
+                 const ReadLimits& limits);
 // Gives the first picture of an animation.
 Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits);

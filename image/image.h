@@ -45,22 +45,22 @@ struct ReadLimits {
 // truncated or inconsistent file never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
-// Returns whether a file holds 8-bit colours of a screen (PNG, JPEG, BMP or GIF by its first bytes,
-// TGA by its name). Throws InputError if it cannot be read.
+// Returns whether a file holds 8-bit colours of a screen (PNG, JPEG, BMP, GIF, QOI or WebP by its
+// first bytes, TGA by its name). Throws InputError if it cannot be read.
 bool IsOfScreen(const std::string& path);
 // Returns whether a PNG, QOI or OpenEXR file has channels from red to alpha. A palette or grey with
 // alpha does not count. Errors are those of ReadImage.
 bool IsRgba(const std::string& path, const ReadLimits& limits = {});
-// Returns whether a file begins like one of these two.
-bool IsPngOrJpeg(std::string_view bytes);
+// Returns whether a file begins like PNG, JPEG or WebP.
+bool IsGltfImage(std::string_view bytes);
 
 // Interprets the numbers of a file of 8 bits as sRGB colours or as unconverted numbers in [0, 1].
 // kAlpha replaces all three channels with the alpha channel, or 1 if there is none.
 enum class Encoding { kSrgb, kLinear, kAlpha };
 // Reads a picture for use as a texture: PNG (8 bits per channel; deeper ones are rounded), JPEG
-// (baseline and progressive), TGA (the name ends in .tga), BMP (not compressed), GIF (its first
-// picture), or one of the formats of ReadImage. An alpha channel is left out, except for kAlpha;
-// JPEG, Radiance RGBE and PFM have alpha 1. Errors are those of ReadImage.
+// (baseline and progressive), WebP, TGA (the name ends in .tga), BMP (not compressed), GIF (its
+// first picture), or one of the formats of ReadImage. An alpha channel is left out, except for
+// kAlpha; JPEG, Radiance RGBE and PFM have alpha 1. Errors are those of ReadImage.
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits = {});
 // The same from memory; `name` appears in messages, and may end in .tga.
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,

@@ -39,7 +39,8 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(CoatedMetallicRoughness)   \
   BSDF(CoatedConductor)           \
   BSDF(CoatedDiffuse)             \
-  BSDF(Measured)
+  BSDF(Measured)                  \
+  BSDF(RoughThinDielectric)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \

@@ -22,13 +22,18 @@ struct SquarePoint {
   double factor;
 };
 
+double SpotShare(SpotCurve curve, double t) {
+  if (curve == SpotCurve::kSmoothStep) return t * t * (3 - 2 * t);
+  return curve == SpotCurve::kSquare ? t * t : t * t * t * t;
+}
+
 SquarePoint ConePoint(const PunctualLight& light, double s, double t) {
   const double edge = double(light.cos_dark), full = double(light.cos_full);
   const double cosine = 1 - t * (1 - edge), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
   const double x = std::clamp((cosine - edge) / std::max(full - edge, 1e-6), 0.0, 1.0);
   return {{sine * std::cos(kFullTurn * s), sine * std::sin(kFullTurn * s), cosine},
           1 / (kFullTurn * std::max(1 - edge, 1e-7)),
-          x * x * (3 - 2 * x)};
+          SpotShare(light.curve, x)};
 }
 
 SquarePoint PlanePoint(const glm::vec2& half_size, double s, double t) {
@@ -104,6 +109,7 @@ glm::dvec3 AddLightShape(const Scene& scene, const PunctualLight& light, const s
   const LightForm& form = light.form.value();
   LightShape shape = {.mapping = form.mapping};
   if (form.mapping == LightMapping::kCone) {
+    shape.curve = light.curve;
     shape.extent[0] = light.cos_dark;
     shape.extent[1] = 1 / std::max(light.cos_full - light.cos_dark, 1e-6f);
   } else {

@@ -38,9 +38,13 @@ bool HasLocalLights(const Scene& scene) {
 
 float BoundingRadius(const Bounds& bounds) { return 0.5f * glm::length(bounds.high - bounds.low); }
 
-double SpotSolidAngle(float cos_full, float cos_dark) {
-  // The falloff is symmetric in the cosine, so its mean between the cones is one half.
-  return 2 * kPi * (1 - 0.5 * (double(cos_full) + cos_dark));
+double SpotSolidAngle(const PunctualLight& spot) {
+  const double full = double(spot.cos_full), dark = double(spot.cos_dark);
+  // The mean of the curve between the cones.
+  const double mean = spot.curve == SpotCurve::kSmoothStep ? 0.5
+                      : spot.curve == SpotCurve::kSquare   ? 1.0 / 3
+                                                           : 0.2;
+  return 2 * kPi * (1 - full + mean * (full - dark));
 }
 
 void LocalLights::Add(const LocalLight& light, const glm::vec3& mean, double power_per_unit) {
@@ -127,9 +131,10 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
     Copy(from.direction, light.axis);
     double power_per_unit = 4 * kPi;
     if (from.kind == LocalLightKind::kSpot) {
-      light.edge[0] = from.cos_dark;
-      light.edge[1] = 1 / std::max(from.cos_full - from.cos_dark, 1e-6f);
-      power_per_unit = SpotSolidAngle(from.cos_full, from.cos_dark);
+      light.cone.cos_dark = from.cos_dark;
+      light.cone.inverse_range = 1 / std::max(from.cos_full - from.cos_dark, 1e-6f);
+      light.cone.curve = from.curve;
+      power_per_unit = SpotSolidAngle(from);
     } else if (from.kind == LocalLightKind::kDistant) {
       power_per_unit = disk;
     }

@@ -68,7 +68,7 @@ bool HasLocalLights(const Scene& scene);
 float BoundingRadius(const Bounds& bounds);
 
 // Returns the solid angle that a spot would fill with its full intensity [sr].
-double SpotSolidAngle(float cos_full, float cos_dark);
+double SpotSolidAngle(const PunctualLight& spot);
 
 template <>
 inline constexpr auto kEnumNames<LocalLightKind> =

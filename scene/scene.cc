@@ -60,7 +60,9 @@ Bounds SceneBounds(const Scene& scene, const std::string& path) {
   }
   if (!IsEmpty(bounds)) return bounds;
   if (scene.environments.empty()) {
-    throw InputError(InputPosition::File(path), "has no triangle to render");
+    std::string reason = "has no triangle to render";
+    for (const std::string& warning : scene.warnings) reason += "\n  " + warning;
+    throw InputError(InputPosition::File(path), reason);
   }
   return {glm::vec3(-1), glm::vec3(1)};
 }

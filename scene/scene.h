@@ -80,6 +80,9 @@ struct Camera {
   glm::mat4 world_from_camera{1.0f};
   float fov_degrees = 45.0f;           // angle of a screen window's [-1, 1], of a fisheye's circle
   std::optional<ScreenWindow> window;  // unset: [-1, 1] on the shorter side of the film
+  // A film of another shape than the window shows all of it and more on two sides, so that pixels
+  // are squares. Otherwise the window is stretched.
+  bool square_pixels = false;
   // The lens of perspective and orthographic cameras, in camera space. The plane at the focal
   // distance is sharp; with a radius of 0 everything is.
   float lens_radius = 0;
@@ -132,6 +135,7 @@ struct PunctualLight {
   // A spot is full up to the angle to `direction` with the first cosine, and dark from that with
   // the second one.
   float cos_full = 1, cos_dark = 0;
+  SpotCurve curve = SpotCurve::kSmoothStep;
   std::optional<LightForm> form = {};  // shaped
 };
 

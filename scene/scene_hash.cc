@@ -78,6 +78,7 @@ void AddImage(const Image& image, Hash& hash) {
 void AddCamera(const Camera& camera, Hash& hash) {
   hash.Add(camera.kind), hash.Add(camera.world_from_camera), hash.Add(camera.fov_degrees);
   if (camera.window) hash.Add(*camera.window);
+  if (camera.square_pixels) hash.Add(camera.square_pixels);
   hash.Add(camera.lens_radius), hash.Add(camera.focal_distance);
 }
 
@@ -89,6 +90,7 @@ void AddEnvironment(const EnvironmentLight& light, const glm::mat3& world_from_m
 void AddLight(const PunctualLight& light, Hash& hash) {
   hash.Add(light.kind), hash.Add(light.emission), hash.Add(light.position);
   hash.Add(light.direction), hash.Add(light.cos_full), hash.Add(light.cos_dark);
+  if (light.curve != SpotCurve::kSmoothStep) hash.Add(light.curve);
   if (!light.form) return;
   hash.Add(light.form->mapping), hash.Add(light.form->world_from_light);
   AddField(light.form->image, hash), hash.Add(light.form->half_size);

@@ -10,7 +10,7 @@ packages=(
   cmake ninja-build g++ git
   libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev zlib1g-dev
   libdeflate-dev libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libtomlplusplus-dev libstb-dev
+  nlohmann-json3-dev libtomlplusplus-dev libstb-dev libdraco-dev libmeshoptimizer-dev libwebp-dev
 )
 python=(python3-dev python3-numpy pybind11-dev)
 wheel=(python3-dev python3-venv file xz-utils)

@@ -106,6 +106,11 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
     pixel_x = unit * (double(w.right) - w.left) / width;
     pixel_y = unit * (double(w.top) - w.bottom) / height;
     left = unit * w.left, top = unit * w.top;
+    if (camera.square_pixels) {
+      pixel_x = pixel_y = std::max(pixel_x, pixel_y);
+      left = 0.5 * (unit * (double(w.left) + w.right) - pixel_x * width);
+      top = 0.5 * (unit * (double(w.top) + w.bottom) + pixel_y * height);
+    }
   }
   const glm::dvec3 middle = perspective ? z : glm::dvec3(world[3]);
   Copy(glm::vec3(middle + x * left + y * top), view.corner);

@@ -545,11 +545,14 @@ HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
   return {IfThen(total, one, both), cos_t};
 }
 
-// Returns the factor of what a dielectric reflects, of a material whose reflectance is `color`.
-HWY_INLINE V3 ReflectionOf(const MaterialView& m, VU fields, const V3& color) {
-  const V3 own = Field3(m, fields, kReflection);
-  return IfThen(hn::Gt(own.x, hn::Zero(F())), own, color);
-}
+// The colour of what dielectrics reflect, where they have one of its own.
+struct GlassReflection {
+  HWY_INLINE GlassReflection(const MaterialView& m, VU fields)
+      : color(Field3(m, fields, kReflection)), given(hn::Gt(color.x, hn::Zero(F()))) {}
+  HWY_INLINE V3 Or(const V3& reflectance) const { return IfThen(given, color, reflectance); }
+  V3 color;
+  MF given;
+};
 
 // Returns the normal about which a delta BSDF acts, in world space: the shading normal, or the
 // geometric one where the reflection about the shading normal would go into the surface.

@@ -2,7 +2,7 @@
 // a perfect mirror). A dielectric is smooth glass: it reflects with the probability of the
 // unpolarised Fresnel reflectance and refracts otherwise (Snell), where radiance is scaled by the
 // squared index ratio. A thin dielectric is a sheet of it. Both may have another colour for what
-// they reflect (ReflectionOf).
+// they reflect (GlassReflection).
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 
@@ -55,7 +55,9 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
 }
 
 // A `thin` dielectric is both faces of a sheet at once. The reflections between them add up to
-// 2 R / (1 + R), and transmitted light goes straight on.
+// 2 R / (1 + R), and transmitted light goes straight on. With a colour of its own for what it
+// reflects, light is reflected once, at its surface, and everything else goes through, as glTF's
+// KHR_materials_transmission has it: what is reflected within would have the colour of the pane.
 HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialView& m,
                                       const ScatterUniforms& uniforms, std::uint32_t n,
                                       const ScatterPolicy& policy, const RayColumns& rays,
@@ -70,8 +72,13 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
     const VF ratio2 = ratio * ratio;
     const Refraction refraction = FresnelDielectric(cos_o, ratio);
+    const V3 color = ColorOf(s, i);
+    const GlassReflection own(m, fields);
     VF reflectance = refraction.reflectance;
-    if (thin) reflectance = (reflectance + reflectance) / (one + reflectance);
+    if (thin) {
+      const VF both = (reflectance + reflectance) / (one + reflectance);
+      reflectance = IfThen(own.given, reflectance, both);
+    }
     const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), reflectance);
 
     const V3 reflected = normal * (2.0f * cos_o) - wo;
@@ -84,8 +91,7 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     if (policy.transport == Transport::kFlux) {
       factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
     }
-    const V3 color = ColorOf(s, i);
-    const V3 weight = IfThen(reflects, ReflectionOf(m, fields, color), color) * factor;
+    const V3 weight = IfThen(reflects, own.Or(color), color) * factor;
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }

@@ -68,7 +68,7 @@ struct RoughDielectric {
                              std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        reflection(ReflectionOf(m, fields, color)),
+        reflection(GlassReflection(m, fields).Or(color)),
         ggx(Field(m, fields, kAlpha)),
         losses(m, fields, i, n) {
     if (m.varied || m.two_widths) ggx = VariedGgx(s, i);

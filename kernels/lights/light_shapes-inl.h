@@ -79,6 +79,14 @@ struct ShapePlace {
   VF falloff;         // of cones, 1 for others
 };
 
+// Returns the share of a spot's light at t of the way from its dark edge to its full cone.
+HWY_INLINE VF CurveOfSpot(VF t, VU curve) {
+  const VF way = Clamp(t, 0.0f, 1.0f), square = way * way;
+  const MF smooth = hn::RebindMask(F(), hn::Eq(curve, SetU(std::uint32_t(SpotCurve::kSmoothStep))));
+  const MF fourth = hn::RebindMask(F(), hn::Eq(curve, SetU(std::uint32_t(SpotCurve::kFourth))));
+  return IfThen(smooth, SmoothStep(t), IfThen(fourth, square * square, square));
+}
+
 // Completes a place by the direction `d` of the light's space, unit, and the solid angle there of
 // one in the world.
 HWY_INLINE void FinishPlace(const ShapeLanes& shape, const V3& d, VF stretch, ShapePlace& place) {
@@ -91,7 +99,8 @@ HWY_INLINE void FinishPlace(const ShapeLanes& shape, const V3& d, VF stretch, Sh
   VF density = Set(0.25f * kInvPi);
   density = IfThen(cone, in_cone, IfThen(plane, on_plane, density));
   place.square_density = density * stretch;
-  const VF falloff = SmoothStep((d.z - edge) * shape.extent(1));
+  const VF falloff =
+      CurveOfSpot((d.z - edge) * shape.extent(1), shape.Word(SKYWAVE_WORD(LightShape, curve)));
   place.falloff = IfThen(cone, falloff, one);
 }
 

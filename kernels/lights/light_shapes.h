@@ -18,6 +18,10 @@ enum class LightMapping : std::uint32_t {
 };
 
 // A shape is 32 words, read by gathers at shape * 32 + field.
+// How the light of a spot falls between its two cones, with the share t of the difference of their
+// cosines: 3 t^2 - 2 t^3 (pbrt-v4), t^2 (glTF's KHR_lights_punctual), or t^4 (pbrt-v3).
+enum class SpotCurve : std::uint32_t { kSmoothStep, kSquare, kFourth };
+
 struct LightShape {
   LightMapping mapping;
   // Cone: the cosine at its edge; 1 / (the cosine up to which it is full - that). Plane: half of
@@ -33,7 +37,8 @@ struct LightShape {
   // kChoiceUnits: height + 1 bounds from here on of LightShapeView::choices, then width + 1 for
   // each row. A texel without light has no width.
   std::uint32_t first_choice;
-  std::uint32_t unused[7];
+  SpotCurve curve;  // of cones
+  std::uint32_t unused[6];
 };
 inline constexpr std::uint32_t kLogShapeWords = 5;
 static_assert(sizeof(LightShape) == sizeof(std::uint32_t) << kLogShapeWords);

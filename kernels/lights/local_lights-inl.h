@@ -98,10 +98,9 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
   return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
 }
 
-// Returns 1 inside the inner cone, 0 outside the outer one, and between them 3 t^2 - 2 t^3 of the
-// cosine.
+// Returns 1 inside the inner cone, 0 outside the outer one, and the light's curve between them.
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
-  return SmoothStep((cosine - light.Number(12)) * light.Number(13));
+  return CurveOfSpot((cosine - light.Number(12)) * light.Number(13), light.Word(14));
 }
 
 // These are the shapes of the lights in `lanes`; other lanes stand for the first one. The view has

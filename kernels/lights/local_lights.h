@@ -29,9 +29,14 @@ struct LocalLight {
     std::uint32_t two_sided;  // triangle: 0 if only the side of axis x edge emits
     std::uint32_t shape;      // shaped: row of LightShapeView::shapes
   };
-  // Triangle: corner 2 - corner 0. Spot: cosine of the outer cone's angle; 1 / (cosine of the inner
-  // cone's angle - that).
-  float edge[3];
+  union {
+    float edge[3];  // triangle: corner 2 - corner 0
+    struct {
+      float cos_dark;       // cosine of the outer cone's angle
+      float inverse_range;  // 1 / (cosine of the inner cone's angle - that)
+      SpotCurve curve;
+    } cone;  // spot
+  };
   std::uint32_t triangle;  // triangle: its index; others: index into Scene::lights
 };
 static_assert(sizeof(LocalLight) == 16 * sizeof(float));

@@ -76,17 +76,18 @@ Interpolation InterpolationOf(const ChannelPlace& place) {
   place.Fail(fmt::format("there is no interpolation '{}'", name));
 }
 
-// Rotations may be stored as normalized integers, translations and scales only as floats.
-void CheckValueType(const ChannelPlace& place, bool rotation) {
+// Rotations and weights may be stored as normalized integers, translations and scales only as
+// floats.
+void CheckValueType(const ChannelPlace& place, bool normalizable) {
   const tinygltf::Accessor& accessor = place.model.accessors[std::size_t(place.sampler().output)];
   const int type = accessor.componentType;
   const bool integer =
-      rotation && accessor.normalized &&
+      normalizable && accessor.normalized &&
       (type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
        type == TINYGLTF_COMPONENT_TYPE_SHORT || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
   if (type != TINYGLTF_COMPONENT_TYPE_FLOAT && !integer) {
-    place.Fail(rotation ? "its values are neither floats nor normalized integers"
-                        : "its values are no floats");
+    place.Fail(normalizable ? "its values are neither floats nor normalized integers"
+                            : "its values are no floats");
   }
 }
 
@@ -108,6 +109,25 @@ Keys ReadKeys(const ChannelPlace& place, bool rotation) {
     }
   }
   return keys;
+}
+
+// Returns the keys of each of the weights, which a file stores one after the other for every key.
+std::vector<Keys> ReadWeightKeys(const ChannelPlace& place) {
+  Keys keys;
+  keys.interpolation = InterpolationOf(place);
+  keys.times = ReadTimes(place);
+  keys.components = 1;
+  const std::vector<float> values =
+      ReadGltfNumbers(place.model, place.sampler().output, 1, place.path);
+  CheckValueType(place, true);
+  const std::size_t rows = keys.times.size() * keys.values_of_key();
+  if (rows == 0 || values.size() % rows != 0) {
+    place.Fail(fmt::format("its {} keys cannot have {} weights", keys.times.size(), values.size()));
+  }
+  const std::size_t weights = values.size() / rows;
+  std::vector<Keys> list(weights, keys);
+  for (std::size_t i = 0; i < values.size(); ++i) list[i % weights].values.push_back(values[i]);
+  return list;
 }
 
 glm::dquat Quaternion(const glm::dvec4& xyzw) { return glm::dquat(xyzw.w, xyzw.x, xyzw.y, xyzw.z); }
@@ -147,6 +167,13 @@ glm::dvec4 ValueAt(const Keys& keys, double time) {
 
 void PoseNode(const ChannelPlace& place, double time, GltfPose& pose) {
   const std::string& property = place.channel().target_path;
+  if (property == "weights") {
+    pose.weights.emplace();
+    for (const Keys& keys : ReadWeightKeys(place)) {
+      pose.weights->push_back(ValueAt(keys, time).x);
+    }
+    return;
+  }
   const bool rotation = property == "rotation";
   const glm::dvec4 value = ValueAt(ReadKeys(place, rotation), time);
   if (property == "translation") {
@@ -167,7 +194,8 @@ void PoseNode(const ChannelPlace& place, double time, GltfPose& pose) {
 bool MovesNode(const ChannelPlace& place, Warnings& warnings) {
   const tinygltf::AnimationChannel& channel = place.channel();
   const std::string& property = channel.target_path;
-  if (property != "translation" && property != "rotation" && property != "scale") {
+  if (property != "translation" && property != "rotation" && property != "scale" &&
+      property != "weights") {
     AddWarning(
         warnings, InputPosition::File(place.path),
         fmt::format("animations of '{}' are not supported: left at rest", property.substr(0, 60)));
@@ -181,7 +209,8 @@ bool MovesNode(const ChannelPlace& place, Warnings& warnings) {
   if (channel.target_node < 0 || std::size_t(channel.target_node) >= place.model.nodes.size()) {
     place.Fail(fmt::format("there is no node {}", channel.target_node));
   }
-  if (!place.model.nodes[std::size_t(channel.target_node)].matrix.empty()) {
+  if (property != "weights" &&
+      !place.model.nodes[std::size_t(channel.target_node)].matrix.empty()) {
     place.Fail(fmt::format("node {} has a matrix, which cannot be animated", channel.target_node));
   }
   return true;

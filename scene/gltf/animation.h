@@ -1,8 +1,9 @@
 // Poses the nodes of a glTF file at a moment of its animations.
 //
-// Channels move translations, rotations and scales by samplers LINEAR (rotations: spherical), STEP
-// and CUBICSPLINE (glTF 2.0, 3.11 and appendix C). Before the first key and after the last one a
-// property has the value of that key. Weights of morph targets are left at rest.
+// Channels move translations, rotations, scales and weights by samplers LINEAR (rotations:
+// spherical), STEP and CUBICSPLINE (glTF 2.0, 3.11 and appendix C). Before the first key and after
+// the last one a property has the value of that key. Weights of morph targets are animated
+// likewise, each by itself.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -21,7 +22,8 @@ namespace skywave {
 // The properties of a node that are animated; the others are those of the file.
 struct GltfPose {
   std::optional<glm::dvec3> translation, scale;
-  std::optional<glm::dquat> rotation;  // unit
+  std::optional<glm::dquat> rotation;          // unit
+  std::optional<std::vector<double>> weights;  // of the morph targets of its mesh
 };
 
 // Returns a pose for each node, all of them empty where `options` ask for no frame. If several

@@ -12,9 +12,6 @@
 namespace skywave {
 namespace {
 
-// Elements of an accessor without a buffer view, at most: nothing in the file bounds them.
-constexpr std::size_t kMostZeros = std::size_t{1} << 22;
-
 // Describes the elements of an accessor in place.
 struct Elements {
   const char* first;
@@ -184,10 +181,10 @@ std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, i
   const bool sparse = from.sparse.isSparse;
   std::vector<float> numbers;
   if (from.bufferView < 0) {  // all elements are zero but those that a sparse one replaces
-    if (from.count > kMostZeros) {
+    if (from.count > kMostGltfZeros) {
       FailGltf(path, fmt::format("accessor {} has {} elements without a buffer view, and {} are "
                                  "the most that are read",
-                                 accessor, from.count, kMostZeros));
+                                 accessor, from.count, kMostGltfZeros));
     }
     numbers.resize(from.count * std::size_t(components));
   } else {

@@ -11,6 +11,9 @@
 
 namespace skywave {
 
+// Elements of an accessor without a buffer view, at most: nothing in the file bounds them.
+inline constexpr std::size_t kMostGltfZeros = std::size_t{1} << 22;
+
 // Throws InputError(path).
 [[noreturn]] void FailGltf(const std::string& path, const std::string& reason);
 
@@ -23,7 +26,7 @@ std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const 
 std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, int components,
                                    const std::string& path);
 
-// Returns scalars of an unsigned integer type. Sparse ones are refused.
+// Returns scalars of an unsigned integer type. Sparse ones hold at most 16777215.
 std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int accessor,
                                            const std::string& path);
 

@@ -51,13 +51,8 @@ void AddGltfLight(const tinygltf::Model& model, const tinygltf::Node& node, cons
       throw InputError(InputPosition::File(path),
                        fmt::format("light '{}' has a cone from {} to {}", from.name, inner, outer));
     }
-    if (inner < outer) {
-      AddWarning(warnings, InputPosition::File(path),
-                 fmt::format("light '{}': between its cones it falls by a smooth step, not by the "
-                             "curve of KHR_lights_punctual",
-                             from.name));
-    }
     light.kind = LocalLightKind::kSpot;
+    light.curve = SpotCurve::kSquare;
     light.cos_full = float(std::cos(inner)), light.cos_dark = float(std::cos(outer));
     light.direction = -glm::vec3(glm::normalize(backwards));
   } else if (from.type == "directional") {

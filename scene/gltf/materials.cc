@@ -4,171 +4,69 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "base/error.h"
-#include "scene/gltf/buffers.h"
+#include "scene/gltf/specular_glossiness.h"
+#include "scene/gltf/textures.h"
 #include "scene/materials/texture_files.h"
 
 namespace skywave {
 namespace {
 
-struct Context {
-  const tinygltf::Model& model;
-  const std::string& path;
-  Scene& scene;
-  Warnings& warnings;
-  std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
-  std::string material = {};  // the one that is being made
-};
-
-void Warn(Context& context, const std::string& text) {
-  AddWarning(context.warnings, InputPosition::File(context.path), text);
-}
-
-// The same with the name of the material.
-void WarnOfMaterial(Context& context, const std::string& text) {
-  Warn(context, fmt::format("material '{}': {}", context.material, text));
-}
-
-// Returns a number of an extension, or `otherwise` if it has none.
-double Number(const tinygltf::Value& object, const char* name, double otherwise) {
-  if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsNumber()) return otherwise;
-  return object.Get(name).GetNumberAsDouble();
-}
-glm::dvec2 Pair(const tinygltf::Value& object, const char* name, const glm::dvec2& otherwise) {
-  if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsArray() ||
-      object.Get(name).ArrayLen() != 2) {
-    return otherwise;
-  }
-  const tinygltf::Value& pair = object.Get(name);
-  if (!pair.Get(0).IsNumber() || !pair.Get(1).IsNumber()) return otherwise;
-  return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
-}
-
-std::uint32_t AddImage(Context& context, int index, Encoding encoding) {
-  if (index < 0 || std::size_t(index) >= context.model.images.size()) {
-    throw InputError(InputPosition::File(context.path), fmt::format("there is no image {}", index));
-  }
-  const auto key = std::pair(index, encoding);
-  if (const auto found = context.images.find(key); found != context.images.end()) {
-    return found->second;
-  }
-  const tinygltf::Image& image = context.model.images[std::size_t(index)];
-  const std::string name = fmt::format("{}, image {}", context.path, index);
-  std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());
-  if (image.bufferView >= 0) bytes = GltfBytes(context.model, image.bufferView, context.path);
-  if (bytes.empty()) throw InputError(InputPosition::File(name), "is missing or empty");
-  if (!IsPngOrJpeg(bytes)) {
-    throw InputError(InputPosition::File(name), "is neither PNG nor JPEG");
-  }
-  const std::uint32_t added =
-      AddTextureImage(context.scene, DecodeTexture(name, bytes, encoding, kTextureLimits));
-  context.images.emplace(key, added);
-  return added;
-}
-
-TextureWrap Wrap(int gl) {
-  if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::kClamp;
-  if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return TextureWrap::kMirror;
-  return TextureWrap::kRepeat;
-}
-
-// Returns the matrix of the extension: scale, counter-clockwise rotation in the picture, then
-// translation.
-glm::mat3x2 Transform(const tinygltf::Value& extension) {
-  const glm::dvec2 scale = Pair(extension, "scale", {1, 1});
-  const glm::dvec2 offset = Pair(extension, "offset", {0, 0});
-  const double angle = Number(extension, "rotation", 0);
-  const double c = std::cos(angle), s = std::sin(angle);
-  return glm::mat3x2(
-      glm::dmat3x2(c * scale.x, -s * scale.x, s * scale.y, c * scale.y, offset.x, offset.y));
-}
-
-// Returns nothing if the material has no such texture. `set` receives the uv set that the texture
-// uses.
-template <class Info>
-std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Encoding encoding,
-                                        TextureUse use, int& set) {
-  if (info.index < 0) return std::nullopt;
-  if (std::size_t(info.index) >= context.model.textures.size()) {
-    throw InputError(InputPosition::File(context.path),
-                     fmt::format("there is no texture {}", info.index));
-  }
-  const tinygltf::Texture& from = context.model.textures[std::size_t(info.index)];
-  if (from.source < 0) {
-    Warn(context, fmt::format("texture {} has no image that is known: left out", info.index));
-    return std::nullopt;
-  }
-  Texture texture;
-  texture.use = use;
-  set = info.texCoord;
-  std::string problem;
-  try {
-    texture.image = AddImage(context, from.source, encoding);
-  } catch (const InputError& error) {
-    problem = error.what();
-  }
-  if (!problem.empty()) {
-    // What was taken for a name may be the data of a picture.
-    std::string uri;
-    if (std::size_t(from.source) < context.model.images.size()) {
-      uri = context.model.images[std::size_t(from.source)].uri.substr(0, 80);
-    }
-    WarnOfMaterial(context, fmt::format("texture {} is left out: {}{}", info.index, problem,
-                                        uri.empty() ? "" : fmt::format(" (\"{}\")", uri)));
-    return std::nullopt;
-  }
-  if (from.sampler >= 0 && std::size_t(from.sampler) < context.model.samplers.size()) {
-    const tinygltf::Sampler& sampler = context.model.samplers[std::size_t(from.sampler)];
-    texture.wrap_u = Wrap(sampler.wrapS), texture.wrap_v = Wrap(sampler.wrapT);
-    if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) {
-      WarnOfMaterial(context,
-                     "samplers of the filter NEAREST are not supported: textures are "
-                     "interpolated");
-    }
-  }
-  if (const auto found = info.extensions.find("KHR_texture_transform");
-      found != info.extensions.end()) {
-    texture.transform = Transform(found->second);
-    set = int(Number(found->second, "texCoord", set));
-  }
-  context.scene.textures.push_back(texture);
-  return std::uint32_t(context.scene.textures.size() - 1);
-}
-
-float Fraction(Context& context, const char* name, double value) {
+float Fraction(GltfTextures& context, const char* name, double value) {
   if (value >= 0 && value <= 1) return float(value);
-  Warn(context, fmt::format("{} {} is clamped to [0, 1]", name, value));
+  WarnOfMaterial(context, fmt::format("{} {} is clamped to [0, 1]", name, value));
   return value > 0 ? 1.0f : 0.0f;  // NaN becomes 0
 }
-
-constexpr std::string_view kExtensions[] = {
-    "KHR_materials_ior",      "KHR_materials_transmission",     "KHR_materials_unlit",
-    "KHR_materials_volume",   "KHR_materials_clearcoat",        "KHR_materials_sheen",
-    "KHR_materials_specular", "KHR_materials_emissive_strength"};
-
-constexpr const char* kCoatNormals = "clearcoatNormalTexture";
-
-// Returns the object of an extension, or null if the material lacks it.
-const tinygltf::Value* Extension(const tinygltf::Material& from, const char* name) {
-  const auto found = from.extensions.find(name);
-  return found == from.extensions.end() ? nullptr : &found->second;
+// Returns the number of an extension that should be a fraction.
+float FractionOf(GltfTextures& context, const tinygltf::Value& extension, const char* name,
+                 double otherwise) {
+  return Fraction(context, name, GltfNumber(extension, name, otherwise));
 }
 
-glm::vec3 Color(const tinygltf::Value& object, const char* name, const glm::vec3& otherwise) {
-  if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsArray() ||
-      object.Get(name).ArrayLen() != 3) {
-    return otherwise;
+constexpr const char* kCoat = "KHR_materials_clearcoat";
+constexpr const char* kCoatNormals = "clearcoatNormalTexture";
+constexpr const char* kTransmission = "KHR_materials_transmission";
+constexpr const char* kVolume = "KHR_materials_volume";
+
+// The extensions of materials, and the textures of them that are rendered.
+struct KnownExtension {
+  std::string_view name;
+  std::vector<std::string_view> textures = {};
+};
+const KnownExtension kMaterialExtensions[] = {
+    {"KHR_materials_ior"},
+    {kTransmission, {"transmissionTexture"}},
+    {"KHR_materials_unlit"},
+    // A thickness is for renderers that do not trace rays through the volume.
+    {kVolume, {"thicknessTexture"}},
+    {kCoat, {"clearcoatTexture", kCoatNormals}},
+    {"KHR_materials_sheen"},
+    {"KHR_materials_specular"},
+    {"KHR_materials_emissive_strength"},
+    {kSpecularGlossiness, {"diffuseTexture", "specularGlossinessTexture"}},
+};
+
+void WarnOfWhatIsLeftOut(GltfTextures& context, const tinygltf::Material& from) {
+  for (const auto& [name, value] : from.extensions) {
+    const auto known = std::find_if(std::begin(kMaterialExtensions), std::end(kMaterialExtensions),
+                                    [&](const auto& extension) { return extension.name == name; });
+    if (known == std::end(kMaterialExtensions)) {
+      WarnOfMaterial(context, fmt::format("the extension {} is not supported: left out", name));
+      continue;
+    }
+    for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
+      const auto& rendered = known->textures;
+      if (!key.ends_with("Texture") || std::count(rendered.begin(), rendered.end(), key) != 0) {
+        continue;
+      }
+      WarnOfMaterial(
+          context,
+          fmt::format("{} of {} is not supported: its factor is used everywhere", key, name));
+    }
   }
-  glm::vec3 color;
-  for (int c = 0; c < 3; ++c) {
-    const tinygltf::Value& channel = object.Get(name).Get(c);
-    color[c] = channel.IsNumber() ? float(channel.GetNumberAsDouble()) : otherwise[c];
-  }
-  return color;
 }
 
 // Returns the index whose reflectance at normal incidence is that of `ior` times `factor`.
@@ -178,57 +76,117 @@ float ScaledIndex(float ior, double factor) {
 }
 
 // A lower index stands in for a weaker specular lobe.
-void SetSpecular(Context& context, const tinygltf::Material& from, Material& material) {
-  const tinygltf::Value* const found = Extension(from, "KHR_materials_specular");
+void SetSpecular(GltfTextures& context, const tinygltf::Material& from, Material& material) {
+  const tinygltf::Value* const found = GltfExtension(from, "KHR_materials_specular");
   if (found == nullptr) return;
-  const double factor = Fraction(context, "specularFactor", Number(*found, "specularFactor", 1));
-  const glm::vec3 color = Color(*found, "specularColorFactor", glm::vec3(1));
+  const double factor = FractionOf(context, *found, "specularFactor", 1);
+  const glm::vec3 color = GltfColor(*found, "specularColorFactor", glm::vec3(1));
   if (color.x != color.y || color.y != color.z) {
-    Warn(context, "specularColorFactor: its mean is used");
+    WarnOfMaterial(context, "specularColorFactor: its mean is used");
   }
   const double mean = std::clamp(double(color.x + color.y + color.z) / 3, 0.0, 1.0);
   material.ior = ScaledIndex(material.ior, factor * mean);
 }
 
-void AddLayers(Context& context, const tinygltf::Material& from, Material& material) {
-  const tinygltf::Value* const coat = Extension(from, "KHR_materials_clearcoat");
-  const tinygltf::Value* const sheen = Extension(from, "KHR_materials_sheen");
-  if (coat != nullptr) {
-    material.coat = Fraction(context, "clearcoatFactor", Number(*coat, "clearcoatFactor", 0));
-    const float roughness =
-        Fraction(context, "clearcoatRoughnessFactor", Number(*coat, "clearcoatRoughnessFactor", 0));
-    material.coat_alpha = roughness * roughness;
+// Returns the parameters that all parts of a material share, with their textures: those of
+// metallic-roughness.
+Material BaseOf(GltfTextures& context, const tinygltf::Material& from) {
+  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
+  Material base = {.name = from.name, .bsdf = BsdfKind::kMetallicRoughness};
+  if (const auto* const extension = GltfExtension(from, kSpecularGlossiness)) {
+    SetSpecularGlossiness(context, *extension, base);
   } else {
-    material.coat = 0;
-  }
-  if (sheen != nullptr) {
-    const glm::vec3 color = Color(*sheen, "sheenColorFactor", glm::vec3(0));
-    for (int c = 0; c < 3; ++c) {
-      material.sheen[c] = Fraction(context, "sheenColorFactor", color[c]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double factor = c < pbr.baseColorFactor.size() ? pbr.baseColorFactor[c] : 1;
+      base.reflectance[int(c)] = Fraction(context, "baseColorFactor", factor);
     }
-    const float roughness =
-        Fraction(context, "sheenRoughnessFactor", Number(*sheen, "sheenRoughnessFactor", 0));
-    material.sheen_alpha = roughness * roughness;
+    const float roughness = Fraction(context, "roughnessFactor", pbr.roughnessFactor);
+    base.alpha = roughness * roughness;
+    base.metallic = Fraction(context, "metallicFactor", pbr.metallicFactor);
+    base.color_texture = AddGltfTexture(context, TextureInfo(pbr.baseColorTexture), Encoding::kSrgb,
+                                        TextureUse::kColor);
+    base.roughness_texture = AddGltfTexture(context, TextureInfo(pbr.metallicRoughnessTexture),
+                                            Encoding::kLinear, TextureUse::kColor);
   }
-  if (material.coat > 0 || material.sheen != glm::vec3(0)) {
-    material.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  if (const auto* const extension = GltfExtension(from, "KHR_materials_ior")) {
+    base.ior = float(GltfNumber(*extension, "ior", 1.5));
+    if (!(base.ior >= 1 && base.ior <= 100)) {
+      // In old files, 0 stands for a coat that reflects everything.
+      WarnOfMaterial(context, fmt::format("the index {} is not supported: 1.5 is used", base.ior));
+      base.ior = 1.5f;
+    }
   }
+  base.normal_texture = AddGltfTexture(context, TextureInfo(from.normalTexture), Encoding::kLinear,
+                                       TextureUse::kNormals);
+  base.normal_scale = float(from.normalTexture.scale);
+  return base;
+}
+
+// Returns the mixture of two materials, which it adds to the scene.
+Material Mix(GltfTextures& context, Material first, Material second, const GltfShare& share) {
+  std::vector<Material>& materials = context.scene.materials;
+  materials.push_back(std::move(first)), materials.push_back(std::move(second));
+  const auto row = std::uint32_t(materials.size());
+  Material mixed = {.mixture = Mixture{row - 2, row - 1, share.number}};
+  mixed.mixture_texture = share.texture;
+  return mixed;
+}
+Material Named(const Material& base, const char* part) {
+  Material named = base;
+  named.name = fmt::format("{} ({})", base.name, part);
+  return named;
+}
+
+// Returns a copy of a texture of roughness and metal that is metal everywhere.
+std::uint32_t WithFullMetal(GltfTextures& context, std::uint32_t texture) {
+  Scene& scene = context.scene;
+  Texture copy = scene.textures[texture];
+  Image image = scene.images[copy.image];
+  for (std::size_t i = 2; i < image.rgb.size(); i += 3) image.rgb[i] = 1;
+  copy.image = AddTextureImage(scene, std::move(image));
+  scene.textures.push_back(copy);
+  return std::uint32_t(scene.textures.size() - 1);
 }
 
 // The file may give the coat different normals from the base; also when it gives normals to the
 // base only.
-void WarnOfCoatNormals(Context& context, const tinygltf::Material& from) {
-  const tinygltf::Value& coat = *Extension(from, "KHR_materials_clearcoat");
-  const int normals =
-      coat.Has(kCoatNormals) ? int(Number(coat.Get(kCoatNormals), "index", -1)) : -1;
-  if (normals == from.normalTexture.index) return;
-  Warn(context, "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
+void WarnOfCoatNormals(GltfTextures& context, const tinygltf::Material& from) {
+  const tinygltf::Value& coat = *GltfExtension(from, kCoat);
+  if (TextureInfo(coat, kCoatNormals).index == from.normalTexture.index) return;
+  WarnOfMaterial(context,
+                 "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
+}
+
+// Returns the base under its sheen and its coat. A coat that is not everywhere is a mixture, as the
+// extension's layer is linear in its strength.
+Material Layered(GltfTextures& context, const tinygltf::Material& from, Material base) {
+  if (const auto* const sheen = GltfExtension(from, "KHR_materials_sheen")) {
+    const glm::vec3 color = GltfColor(*sheen, "sheenColorFactor", glm::vec3(0));
+    for (int c = 0; c < 3; ++c) base.sheen[c] = Fraction(context, "sheenColorFactor", color[c]);
+    const float roughness = FractionOf(context, *sheen, "sheenRoughnessFactor", 0);
+    base.sheen_alpha = roughness * roughness;
+  }
+  base.coat = 0;
+  if (base.sheen != glm::vec3(0)) base.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  const auto* const coat = GltfExtension(from, kCoat);
+  const float strength = coat == nullptr ? 0 : FractionOf(context, *coat, "clearcoatFactor", 0);
+  if (!(strength > 0)) return base;
+  const GltfShare share =
+      AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
+  WarnOfCoatNormals(context, from);
+  Material coated = base;
+  coated.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  coated.coat = share.number;
+  const float roughness = FractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
+  coated.coat_alpha = roughness * roughness;
+  if (!share.texture) return coated;
+  return Mix(context, base, Named(coated, "coated"), share);
 }
 
 // After `attenuationDistance` in a volume, white light has become `attenuationColor`.
-glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
-  const double distance = Number(volume, "attenuationDistance", 0);  // 0 stands for infinity
-  const glm::vec3 color = Color(volume, "attenuationColor", glm::vec3(1));
+glm::vec3 Absorption(GltfTextures& context, const tinygltf::Value& volume) {
+  const double distance = GltfNumber(volume, "attenuationDistance", 0);  // 0 stands for infinity
+  const glm::vec3 color = GltfColor(volume, "attenuationColor", glm::vec3(1));
   glm::vec3 absorption(0);
   for (int c = 0; distance > 0 && c < 3; ++c) {
     const double left = std::max(Fraction(context, "attenuationColor", color[c]), 1e-6f);
@@ -237,88 +195,73 @@ glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
   return absorption;
 }
 
-// Returns whether the material is rendered as glass. The rest of the model is a mixture of glass
-// and of an opaque or metallic base, of which the larger part is rendered.
-bool IsGlass(Context& context, const tinygltf::Material& from, float metallic) {
-  const tinygltf::Value* const found = Extension(from, "KHR_materials_transmission");
-  if (found == nullptr) return false;
-  const double factor =
-      Fraction(context, "transmissionFactor", Number(*found, "transmissionFactor", 0));
-  // The default of the metallic factor is 1, and a texture has the values as a rule.
-  const bool textured = from.pbrMetallicRoughness.metallicRoughnessTexture.index >= 0;
-  const double share = textured ? factor : factor * (1 - double(metallic));
-  const bool glass = share >= 0.5;
-  if (share > 0 && share < 1) {
-    WarnOfMaterial(context, fmt::format("partial transmission of {:.3g} is not supported: it is "
-                                        "rendered {}",
-                                        share, glass ? "as glass" : "without transmission"));
+// Returns the glass that transmits in the base colour and reflects white. Without a volume, the
+// extension describes a thin pane.
+Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Material& base) {
+  const tinygltf::Value* const volume = GltfExtension(from, kVolume);
+  const bool solid = volume != nullptr && GltfNumber(*volume, "thicknessFactor", 0) > 0;
+  Material glass = Named(base, "glass");
+  glass.metallic = 0;
+  glass.reflection = glm::vec3(1);
+  const bool smooth = !(base.alpha >= 1e-3f) || base.ior <= 1.001f;
+  if (solid) {
+    glass.bsdf = smooth ? BsdfKind::kDielectric : BsdfKind::kRoughDielectric;
+    glass.absorption = Absorption(context, *volume);
+  } else {
+    glass.bsdf = smooth ? BsdfKind::kThinDielectric : BsdfKind::kRoughThinDielectric;
   }
+  if (smooth) glass.roughness_texture.reset();
   return glass;
 }
 
-void WarnOfGlass(Context& context, const tinygltf::Material& from, const Material& opaque) {
-  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
-  if (pbr.baseColorTexture.index >= 0) {
-    WarnOfMaterial(context,
-                   "the baseColorTexture of transmission is not supported: its factor is "
-                   "used everywhere");
+// Returns what glTF calls the material, a mix of metal and dielectric by `metallic`, where the
+// dielectric is a mix of glass and an opaque body by the transmission.
+Material Transmitting(GltfTextures& context, const tinygltf::Material& from, Material base) {
+  const tinygltf::Value& extension = *GltfExtension(from, kTransmission);
+  const float factor = FractionOf(context, extension, "transmissionFactor", 0);
+  const GltfShare glass =
+      AddGltfShare(context, TextureInfo(extension, "transmissionTexture"), 0, factor);
+  GltfShare metal = {base.metallic};
+  const bool textured = base.roughness_texture.has_value() && base.metallic > 0;
+  if (textured) {
+    metal = AddGltfShare(context, TextureInfo(from.pbrMetallicRoughness.metallicRoughnessTexture),
+                         2, base.metallic);
   }
-  if (pbr.metallicRoughnessTexture.index >= 0) {
-    WarnOfMaterial(context,
-                   "the metallicRoughnessTexture of transmission is not supported: its "
-                   "roughness factor is used everywhere, and no metal");
+  const bool all_metal = !metal.texture && metal.number >= 1;
+  if (!(glass.number > 0) || all_metal) return Layered(context, from, std::move(base));
+  if (GltfExtension(from, kCoat) != nullptr) {
+    WarnOfMaterial(context, "KHR_materials_clearcoat: what transmits is rendered without the coat");
   }
-  if (opaque.reflectance != glm::vec3(1)) {
-    WarnOfMaterial(context, "the colour of transmission is rendered on reflections too");
+  Material opaque = Named(base, "opaque");
+  opaque.metallic = 0;
+  Material dielectric = GlassOf(context, from, base);
+  if (glass.texture || glass.number < 1) {
+    dielectric = Mix(context, Layered(context, from, opaque), std::move(dielectric), glass);
   }
+  if (!metal.texture && !(metal.number > 0)) return dielectric;
+  Material metallic = Named(base, "metal");
+  metallic.metallic = 1;
+  if (textured) metallic.roughness_texture = WithFullMetal(context, *base.roughness_texture);
+  return Mix(context, std::move(dielectric), Layered(context, from, std::move(metallic)), metal);
 }
 
-// Without a volume, the extension describes a thin pane.
-Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
-  const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
-  const bool solid = volume != nullptr && Number(*volume, "thicknessFactor", 0) > 0;
-  Material glass = {.name = opaque.name,
-                    .bsdf = solid ? BsdfKind::kDielectric : BsdfKind::kThinDielectric,
-                    .reflectance = opaque.reflectance,
-                    .alpha = opaque.alpha,
-                    .ior = opaque.ior};
-  if (solid && glass.alpha >= 1e-3f && glass.ior > 1.001f) {
-    glass.bsdf = BsdfKind::kRoughDielectric;
-  } else if (glass.alpha > 0.01f) {
-    Warn(context, "rough transmission without a volume is rendered smooth");
-  }
-  if (solid) glass.absorption = Absorption(context, *volume);
-  return glass;
-}
-
-void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
-  for (const auto& [name, value] : from.extensions) {
-    if (std::find(std::begin(kExtensions), std::end(kExtensions), name) != std::end(kExtensions)) {
-      for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
-        if (!key.ends_with("Texture") || key == kCoatNormals) continue;
-        Warn(context,
-             fmt::format("{} of {} is not supported: its factor is used everywhere", key, name));
-      }
-      continue;
-    }
-    Warn(context, fmt::format("the extension {} is not supported: left out", name));
-  }
-}
-
-// Sets opacity from the alpha of factor and base colour texture. `set` receives the uv set of the
-// texture.
-void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Material& material) {
+// Sets opacity from the alpha of a factor and a texture.
+void SetOpacity(GltfTextures& context, const tinygltf::Material& from, Material& material) {
   const bool masked = from.alphaMode == "MASK";
   if (!masked && from.alphaMode != "BLEND") return;
   const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
-  const double factor = pbr.baseColorFactor.size() > 3 ? pbr.baseColorFactor[3] : 1;
-  material.opacity = Fraction(context, "alpha of baseColorFactor", factor);
+  double alpha = pbr.baseColorFactor.size() > 3 ? pbr.baseColorFactor[3] : 1;
+  GltfTextureInfo info = TextureInfo(pbr.baseColorTexture);
+  if (const auto* const extension = GltfExtension(from, kSpecularGlossiness)) {
+    alpha = SpecularGlossinessAlpha(*extension);
+    info = TextureInfo(*extension, "diffuseTexture");
+  }
+  material.opacity = Fraction(context, "the alpha of the base colour", alpha);
   if (masked) {
     // NaN becomes 0. Values above 1 hide everything, which is valid.
     material.opacity_cutoff = float(from.alphaCutoff > 0 ? from.alphaCutoff : 0);
   }
-  material.opacity_texture =
-      AddTexture(context, pbr.baseColorTexture, Encoding::kAlpha, TextureUse::kOpacity, set);
+  material.opacity_texture = AddGltfTexture(context, info, Encoding::kAlpha, TextureUse::kOpacity);
   if (material.opacity_texture) {
     const Texture& texture = context.scene.textures[*material.opacity_texture];
     if (IsWhite(context.scene.images[texture.image])) {
@@ -332,13 +275,10 @@ void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Mate
   }
 }
 
-// Sets the emission. `uv_set` is that of the material's other textures, or negative if it has none.
-void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
-                 Material& material) {
+void SetEmission(GltfTextures& context, const tinygltf::Material& from, Material& material) {
   double strength = 1;
-  if (const auto found = from.extensions.find("KHR_materials_emissive_strength");
-      found != from.extensions.end()) {
-    strength = Number(found->second, "emissiveStrength", 1);
+  if (const auto* const extension = GltfExtension(from, "KHR_materials_emissive_strength")) {
+    strength = GltfNumber(*extension, "emissiveStrength", 1);
   }
   glm::dvec3 emission(0);
   for (std::size_t c = 0; c < 3 && c < from.emissiveFactor.size(); ++c) {
@@ -352,100 +292,65 @@ void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
   if (emission == glm::dvec3(0)) return;
   material.emission = glm::vec3(emission);
   material.emits_on_both_sides = from.doubleSided;
-  int set = uv_set;
-  material.emission_texture =
-      AddTexture(context, from.emissiveTexture, Encoding::kSrgb, TextureUse::kColor, set);
-  if (!material.emission_texture) return;
-  if (uv_set >= 0 && set != uv_set) {
-    Warn(context,
-         "two sets of texture coordinates in a material are not supported: the first one is used "
-         "for the emission too");
-  } else {
-    uv_set = set;
-  }
+  material.emission_texture = AddGltfTexture(context, TextureInfo(from.emissiveTexture),
+                                             Encoding::kSrgb, TextureUse::kColor);
 }
 
-Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_set) {
-  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
-  Material material;
-  material.name = from.name;
-  context.material = from.name;
-  material.bsdf = BsdfKind::kMetallicRoughness;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double factor = c < pbr.baseColorFactor.size() ? pbr.baseColorFactor[c] : 1;
-    material.reflectance[int(c)] = Fraction(context, "baseColorFactor", factor);
-  }
-  const float roughness = Fraction(context, "roughnessFactor", pbr.roughnessFactor);
-  material.alpha = roughness * roughness;
-  material.metallic = Fraction(context, "metallicFactor", pbr.metallicFactor);
+Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
   WarnOfWhatIsLeftOut(context, from);
-  if (const auto ior = from.extensions.find("KHR_materials_ior"); ior != from.extensions.end()) {
-    material.ior = float(Number(ior->second, "ior", 1.5));
-    if (!(material.ior >= 1 && material.ior <= 100)) {
-      // In old files, 0 stands for a coat that reflects everything.
-      Warn(context, fmt::format("the index {} is not supported: 1.5 is used", material.ior));
-      material.ior = 1.5f;
-    }
-  }
-  uv_set = -1;
-  int roughness_set = -1, normal_set = -1;
-  if (IsGlass(context, from, material.metallic)) {
-    WarnOfGlass(context, from, material);
-    material = Transmission(context, from, material);
-  } else {
-    SetSpecular(context, from, material);
-    AddLayers(context, from, material);
-    material.color_texture =
-        AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, TextureUse::kColor, uv_set);
-    material.roughness_texture = AddTexture(context, pbr.metallicRoughnessTexture,
-                                            Encoding::kLinear, TextureUse::kColor, roughness_set);
-  }
-  material.normal_texture =
-      AddTexture(context, from.normalTexture, Encoding::kLinear, TextureUse::kNormals, normal_set);
-  material.normal_scale = float(from.normalTexture.scale);
-  if (material.bsdf == BsdfKind::kCoatedMetallicRoughness && material.coat > 0) {
-    WarnOfCoatNormals(context, from);
-  }
-  SetOpacity(context, from, uv_set, material);
-  if (uv_set < 0) uv_set = std::max(roughness_set, normal_set);
-  if ((material.roughness_texture && roughness_set != uv_set) ||
-      (material.normal_texture && normal_set != uv_set)) {
-    Warn(context,
-         "two sets of texture coordinates in a material are not supported: the set of "
-         "the base colour is used");
-  }
-  if (from.extensions.contains("KHR_materials_unlit")) {
-    Warn(context, "unlit materials are rendered as Lambert");
+  Material base = BaseOf(context, from);
+  Material material;
+  if (GltfExtension(from, "KHR_materials_unlit") != nullptr) {
+    WarnOfMaterial(context, "unlit materials are rendered as Lambert");
+    material = std::move(base);
     material.bsdf = BsdfKind::kLambert;
     material.roughness_texture.reset();
     material.normal_texture.reset();
+  } else if (GltfExtension(from, kTransmission) != nullptr) {
+    material = Transmitting(context, from, std::move(base));
+  } else {
+    SetSpecular(context, from, base);
+    material = Layered(context, from, std::move(base));
   }
+  material.name = from.name;
+  SetOpacity(context, from, material);
+  SetEmission(context, from, material);
   return material;
 }
 
 }  // namespace
 
-GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
-                               Warnings& warnings) {
-  Context context{model, path, scene, warnings};
-  GltfMaterials materials;
-  for (const tinygltf::Material& from : model.materials) {
-    int set = -1;
-    Material material = MakeMaterial(context, from, set);
-    SetEmission(context, from, set, material);
-    scene.materials.push_back(std::move(material));
-    materials.uv_set.push_back(std::max(set, 0));
-    materials.uses_tangents.push_back(scene.materials.back().normal_texture.has_value());
+GltfMaterials::GltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
+                             Warnings& warnings)
+    : textures_{model, path, scene, warnings} {}
+
+const GltfMaterial& GltfMaterials::Use(int index) {
+  const auto [known, is_new] = used_.try_emplace(std::max(index, -1));
+  if (!is_new) return known->second;
+  const std::vector<tinygltf::Material>& materials = textures_.model.materials;
+  if (index >= int(materials.size())) {
+    throw InputError(InputPosition::File(textures_.path),
+                     fmt::format("there is no material {}", index));
   }
   // Primitives without a material get all defaults of the schema.
-  scene.materials.push_back({.name = "default",
-                             .bsdf = BsdfKind::kMetallicRoughness,
-                             .reflectance = glm::vec3(1),
-                             .alpha = 1,
-                             .metallic = 1});
-  materials.uv_set.push_back(0);
-  materials.uses_tangents.push_back(false);
-  return materials;
+  Material material = {.name = "default",
+                       .bsdf = BsdfKind::kMetallicRoughness,
+                       .reflectance = glm::vec3(1),
+                       .alpha = 1,
+                       .metallic = 1};
+  GltfMaterial& used = known->second;
+  if (index >= 0) {
+    const tinygltf::Material& from = materials[std::size_t(index)];
+    textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
+    textures_.uv_set.reset();
+    material = MakeMaterial(textures_, from);
+    used.uses_tangents = from.normalTexture.index >= 0;
+    used.uv_set = textures_.uv_set.value_or(0);
+    used.opaque = from.alphaMode == "OPAQUE";
+  }
+  used.row = std::uint32_t(textures_.scene.materials.size());
+  textures_.scene.materials.push_back(std::move(material));
+  return used;
 }
 
 }  // namespace skywave

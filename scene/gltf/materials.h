@@ -2,11 +2,17 @@
 //
 //   pbrMetallicRoughness             metallic-roughness: factors and both textures
 //   KHR_materials_ior                its index
-//   KHR_materials_transmission       a factor of at least 1/2 makes a pane of the base colour
-//   KHR_materials_volume             (with transmission, thickness above 0) a dielectric, smooth or
-//                                    rough, that absorbs by attenuationColor and
-//                                    attenuationDistance
-//   KHR_materials_clearcoat, _sheen  layers (kernels/bsdf/coat-inl.h), by their factors
+//   KHR_materials_transmission       a share of glass, by its factor, its texture and what is not
+//                                    metal: a mixture. Glass transmits in the base colour and
+//                                    reflects white; without a volume it is a pane, whose surface
+//                                    reflects once
+//   KHR_materials_volume             (with transmission, thickness above 0) a dielectric that
+//                                    absorbs by attenuationColor and attenuationDistance
+//   KHR_materials_clearcoat          a coat (kernels/bsdf/coat-inl.h), by its factors and the
+//                                    texture of its strength
+//   KHR_materials_sheen              sheen, by its factors
+//   KHR_materials_pbrSpecularGlossiness
+//                                    converted (scene/gltf/specular_glossiness.h)
 //   KHR_materials_specular           a lower index that reflects less
 //   KHR_materials_unlit              Lambert, with a warning
 //   KHR_texture_transform            offset, rotation and scale
@@ -28,24 +34,38 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
-#include <vector>
 
+#include "scene/gltf/textures.h"
 #include "scene/scene.h"
 #include "scene/warnings.h"
 
 namespace skywave {
 
-struct GltfMaterials {
-  // Holds the uv set of each material's textures, by index in the file; the material of primitives
-  // without one comes last.
-  std::vector<int> uv_set;
-  std::vector<bool> uses_tangents;  // likewise, whether a material has a normal map
+// What meshes need to know of a material.
+struct GltfMaterial {
+  std::uint32_t row = 0;       // in Scene::materials
+  int uv_set = 0;              // of its textures
+  bool uses_tangents = false;  // it has a normal map
+  bool opaque = true;          // its alpha counts for nothing
 };
 
-// Appends the materials of the file and then the default one to scene.materials, in order, with
-// their textures and images. Throws InputError(path).
-GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
-                               Warnings& warnings);
+// The materials of a file, each of which is added to the scene when it is first used, with its
+// textures and images: what nothing uses is not decoded, and cannot be wrong.
+class GltfMaterials {
+ public:
+  // All of these outlive it.
+  GltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
+                Warnings& warnings);
+
+  // Returns a material by its index in the file, or that of primitives which name none (-1). Throws
+  // InputError(path).
+  const GltfMaterial& Use(int index);
+
+ private:
+  GltfTextures textures_;
+  std::map<int, GltfMaterial> used_;
+};
 
 }  // namespace skywave

@@ -60,7 +60,7 @@ std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
 // Reads COLOR_0, linear RGB or RGBA, clamped to [0, 1].
 std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
                                     const tinygltf::Primitive& primitive, std::size_t vertices,
-                                    const std::string& path, Warnings& warnings) {
+                                    bool opaque, const std::string& path, Warnings& warnings) {
   const auto found = primitive.attributes.find("COLOR_0");
   if (found == primitive.attributes.end()) return {};
   const int accessor = found->second;
@@ -75,8 +75,6 @@ std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
     colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 1], numbers[i + 2]), 0.0f, 1.0f));
     veiled = veiled || (has_alpha && numbers[i + 3] < 1);
   }
-  const bool opaque = primitive.material < 0 ||
-                      model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE";
   if (veiled && !opaque) {
     AddWarning(warnings, InputPosition::File(path),
                "the alpha of the colours of vertices is not supported: 1 is used");
@@ -108,15 +106,14 @@ void Morph(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
   }
 }
 
-Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int mode,
-              const std::vector<double>& weights, const GltfMaterials& materials,
-              const std::string& path, Warnings& warnings) {
+Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+              const std::string& name, int mode, const std::vector<double>& weights,
+              const GltfSkin* skin, GltfMaterials& materials, const std::string& path,
+              Warnings& warnings) {
+  const GltfMaterial& material = materials.Use(primitive.material);
   Mesh mesh;
-  const int count = int(materials.uv_set.size()) - 1;
-  if (primitive.material >= count) {
-    FailGltf(path, fmt::format("there is no material {}", primitive.material));
-  }
-  mesh.material = std::uint32_t(primitive.material < 0 ? count : primitive.material);
+  mesh.name = name;
+  mesh.material = material.row;
   std::vector<float> positions = Attribute(model, primitive, "POSITION", 3, 0, path);
   Morph(model, primitive, "POSITION", 3, weights, path, positions);
   mesh.positions = Vectors(positions);
@@ -124,17 +121,17 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
   std::vector<float> normals = Attribute(model, primitive, "NORMAL", 3, vertices, path);
   Morph(model, primitive, "NORMAL", 3, weights, path, normals);
   mesh.normals = Vectors(normals);
-  const std::string set = fmt::format("TEXCOORD_{}", materials.uv_set[mesh.material]);
+  const std::string set = fmt::format("TEXCOORD_{}", material.uv_set);
   const std::vector<float> uvs = Attribute(model, primitive, set, 2, vertices, path);
   for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
-  if (materials.uses_tangents[mesh.material]) {
+  if (material.uses_tangents) {
     std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
     Morph(model, primitive, "TANGENT", 4, weights, path, t);
     for (std::size_t i = 0; i + 3 < t.size(); i += 4) {
       mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
     }
   }
-  mesh.colors = VertexColors(model, primitive, vertices, path, warnings);
+  mesh.colors = VertexColors(model, primitive, vertices, material.opaque, path, warnings);
 
   std::vector<std::uint32_t> indices(vertices);
   std::iota(indices.begin(), indices.end(), 0u);
@@ -145,6 +142,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
     }
   }
   mesh.triangles = Connect(indices, mode);
+  if (skin != nullptr) SkinGltfMesh(model, primitive, *skin, path, mesh, warnings);
   if (!mesh.normals.empty()) NormalizeNormals(mesh);
   return mesh;
 }
@@ -152,11 +150,13 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
 }  // namespace
 
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
-                                 const std::vector<double>& weights, const GltfMaterials& materials,
-                                 const std::string& path, Warnings& warnings) {
+                                 const std::vector<double>& weights, const GltfSkin* skin,
+                                 GltfMaterials& materials, const std::string& path,
+                                 Warnings& warnings) {
   if (std::size_t(mesh) >= model.meshes.size())
     FailGltf(path, fmt::format("there is no mesh {}", mesh));
   const tinygltf::Mesh& from = model.meshes[std::size_t(mesh)];
+  const std::string name = from.name.empty() ? fmt::format("mesh {}", mesh) : from.name;
   std::vector<Mesh> meshes;
   for (const tinygltf::Primitive& primitive : from.primitives) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
@@ -170,8 +170,8 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
           fmt::format("mesh {} '{}' has a primitive without positions: left out", mesh, from.name));
       continue;
     }
-    meshes.push_back(MakeMesh(model, primitive, mode, weights, materials, path, warnings));
-    meshes.back().name = from.name.empty() ? fmt::format("mesh {}", mesh) : from.name;
+    meshes.push_back(
+        MakeMesh(model, primitive, name, mode, weights, skin, materials, path, warnings));
   }
   return meshes;
 }

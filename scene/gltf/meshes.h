@@ -7,16 +7,19 @@
 #include <vector>
 
 #include "scene/gltf/materials.h"
+#include "scene/gltf/skins.h"
 #include "scene/scene.h"
 #include "scene/warnings.h"
 
 namespace skywave {
 
-// Returns one untransformed mesh per primitive: triangles, strips and fans, moved by morph targets
-// of these weights. Primitives without normals are shaded flat, as glTF requires; those without
-// positions are left out with a warning. Throws InputError(path).
+// Returns one mesh per primitive: triangles, strips and fans, moved by morph targets of these
+// weights and then, unless `skin` is null, by its joints, which put them in the world. Primitives
+// without normals are shaded flat, as glTF requires; those without positions are left out with a
+// warning. Throws InputError(path).
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
-                                 const std::vector<double>& weights, const GltfMaterials& materials,
-                                 const std::string& path, Warnings& warnings);
+                                 const std::vector<double>& weights, const GltfSkin* skin,
+                                 GltfMaterials& materials, const std::string& path,
+                                 Warnings& warnings);
 
 }  // namespace skywave

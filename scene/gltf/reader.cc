@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
@@ -17,6 +16,7 @@
 #include "base/files.h"
 #include "scene/gltf/animation.h"
 #include "scene/gltf/buffers.h"
+#include "scene/gltf/document.h"
 #include "scene/gltf/instances.h"
 #include "scene/gltf/lights.h"
 #include "scene/gltf/materials.h"
@@ -27,123 +27,6 @@
 
 namespace skywave {
 namespace {
-
-namespace fs = std::filesystem;
-
-// Files are only read from below the glTF file's folder.
-struct Folder {
-  fs::path path;
-  std::string refused;  // the first name outside the folder
-};
-
-// Returns the file of that name, or nothing. tinygltf may prefix names with "./".
-std::optional<fs::path> Inside(Folder& folder, const std::string& name) {
-  // tinygltf takes data of types that it does not know, such as WebP, for names of files.
-  if (name.starts_with("data:") || name.starts_with("./data:")) return std::nullopt;
-  const fs::path relative(name);
-  const bool leaves = relative.is_absolute() || name.find('\\') != std::string::npos ||
-                      name.find(':') != std::string::npos ||
-                      std::find(relative.begin(), relative.end(), "..") != relative.end() ||
-                      name.starts_with(".//");
-  if (leaves) {
-    if (folder.refused.empty()) folder.refused = name;
-    return std::nullopt;
-  }
-  return folder.path / relative;
-}
-
-bool Exists(const std::string& name, void* user) {
-  const auto path = Inside(*static_cast<Folder*>(user), name);
-  std::error_code ignored;
-  return path && fs::is_regular_file(*path, ignored);
-}
-// The default function passes names through shell expansion.
-std::string KeepPath(const std::string& name, void*) { return name; }
-bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::string& name,
-               void* user) {
-  const auto path = Inside(*static_cast<Folder*>(user), name);
-  if (!path) return false;
-  try {
-    const std::string bytes = ReadFile(path->string(), std::size_t{2} << 30);
-    out->assign(bytes.begin(), bytes.end());
-    return true;
-  } catch (const InputError& reason) {
-    if (error != nullptr) *error += reason.what();
-    return false;
-  }
-}
-
-// tinygltf takes its own functions instead of ours if one is missing. Versions since 2.9 have one
-// more.
-template <class Callbacks>
-Callbacks FilesOf(Folder& folder) {
-  Callbacks callbacks = {};
-  callbacks.FileExists = Exists;
-  callbacks.ExpandFilePath = KeepPath;
-  callbacks.ReadWholeFile = ReadWhole;
-  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
-                                void*) { return false; };
-  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
-    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& name,
-                                      void* user) {
-      const auto path = Inside(*static_cast<Folder*>(user), name);
-      std::error_code error;
-      *size = path ? fs::file_size(*path, error) : 0;
-      return path && !error;
-    };
-  }
-  callbacks.user_data = &folder;
-  return callbacks;
-}
-
-// Images stay encoded as in the file. Those in buffer views are looked up only once their range has
-// been checked, because tinygltf has not checked it.
-bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-               const unsigned char* bytes, int size, void*) {
-  if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
-  return true;
-}
-
-tinygltf::Model Load(const std::string& bytes, const std::string& path) {
-  Folder folder{fs::path(path).parent_path(), ""};
-  tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks(FilesOf<tinygltf::FsCallbacks>(folder));
-  loader.SetImageLoader(KeepImage, nullptr);
-  tinygltf::Model model;
-  std::string error, warning;
-  bool loaded = false;
-  try {
-    const auto size = static_cast<unsigned int>(bytes.size());
-    loaded = bytes.starts_with("glTF")
-                 ? loader.LoadBinaryFromMemory(&model, &error, &warning,
-                                               reinterpret_cast<const unsigned char*>(bytes.data()),
-                                               size, "")
-                 : loader.LoadASCIIFromString(&model, &error, &warning, bytes.c_str(), size, "");
-  } catch (const std::exception& reason) {
-    // The JSON parser of tinygltf throws this on unexpected types.
-    error = reason.what();
-  }
-  if (!folder.refused.empty()) {
-    FailGltf(path, fmt::format("names \"{}\", which is not below its folder", folder.refused));
-  }
-  // An extension that is missing here may be why the file was not understood, so it comes first.
-  for (const std::string& extension : model.extensionsRequired) {
-    static const char* const kKnown[] = {
-        "KHR_texture_transform", "KHR_materials_ior",      "KHR_materials_transmission",
-        "KHR_materials_unlit",   "KHR_mesh_quantization",  "KHR_materials_emissive_strength",
-        "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
-        "KHR_materials_sheen",   "KHR_materials_volume",   "EXT_mesh_gpu_instancing",
-        "KHR_node_visibility"};
-    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
-      FailGltf(path, fmt::format("needs the extension {}, which is not supported", extension));
-    }
-  }
-  if (!loaded) {
-    std::replace(error.begin(), error.end(), '\n', ' ');
-    FailGltf(path, "is no glTF file to read: " + error.substr(0, 300));
-  }
-  return model;
-}
 
 // Returns T * R * S, with the values of `pose` instead of the file's where it has them.
 glm::dmat4 LocalTransform(const tinygltf::Node& node, const GltfPose& pose) {
@@ -170,6 +53,35 @@ glm::dmat4 LocalTransform(const tinygltf::Node& node, const GltfPose& pose) {
   return matrix;
 }
 
+// Returns world from node for all nodes. Those that are their own ancestors get any transform.
+std::vector<glm::dmat4> WorldTransforms(const tinygltf::Model& model,
+                                        const std::vector<GltfPose>& poses) {
+  const std::size_t count = model.nodes.size();
+  std::vector<glm::dmat4> worlds(count);
+  std::vector<bool> is_child(count), done(count);
+  std::vector<int> open;
+  for (std::size_t i = 0; i < count; ++i) worlds[i] = LocalTransform(model.nodes[i], poses[i]);
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) {
+      if (child >= 0 && std::size_t(child) < count) is_child[std::size_t(child)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_child[i]) open.push_back(int(i));
+  }
+  while (!open.empty()) {
+    const auto parent = std::size_t(open.back());
+    open.pop_back();
+    for (const int child : model.nodes[parent].children) {
+      if (child < 0 || std::size_t(child) >= count || done[std::size_t(child)]) continue;
+      done[std::size_t(child)] = true;
+      worlds[std::size_t(child)] = worlds[parent] * worlds[std::size_t(child)];
+      open.push_back(child);
+    }
+  }
+  return worlds;
+}
+
 // Returns the roots of the default scene.
 std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
   if (!model.scenes.empty()) {
@@ -192,14 +104,17 @@ std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
   return roots;
 }
 
-// glTF's cameras look along -z. Their yfov is the vertical angle; Camera's angle is that of the
-// shorter side. Returns nothing for a camera without usable numbers.
+// glTF's cameras look along -z; the scales of their nodes do not count. Their yfov is the vertical
+// angle, of a view of their aspect that is seen whole on any film. Returns nothing for a camera
+// without usable numbers.
 std::optional<Camera> MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world) {
   Camera camera;
-  camera.world_from_camera =
-      glm::mat4(world * glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0),
-                                   glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 0, 0, 1)));
-  if (!(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0)) return std::nullopt;
+  camera.square_pixels = true;
+  const glm::dmat3 linear(world);
+  if (!(std::abs(glm::determinant(linear)) > 0)) return std::nullopt;
+  camera.world_from_camera = glm::mat4(
+      glm::dmat4(glm::dvec4(glm::normalize(linear[0]), 0), glm::dvec4(glm::normalize(linear[1]), 0),
+                 glm::dvec4(-glm::normalize(linear[2]), 0), world[3]));
   if (from.type == "orthographic") {
     const double x = from.orthographic.xmag, y = from.orthographic.ymag;
     const bool usable =
@@ -210,12 +125,23 @@ std::optional<Camera> MakeCamera(const tinygltf::Camera& from, const glm::dmat4&
                                  float(std::abs(y))};
     return camera;
   }
-  double slope = std::tan(0.5 * from.perspective.yfov);
   if (!(from.perspective.yfov > 0 && from.perspective.yfov < 3.14159)) return std::nullopt;
+  camera.fov_degrees = float(glm::degrees(from.perspective.yfov));
+  // Without an aspect the height of the film is that of the view, whatever its width.
   const double aspect = from.perspective.aspectRatio;
-  if (aspect > 0 && aspect < 1) slope *= aspect;
-  camera.fov_degrees = float(2 * glm::degrees(std::atan(slope)));
+  const float side = aspect > 0 && aspect < 1e6 ? float(aspect) : 0.0f;
+  camera.window = ScreenWindow{.left = -side, .right = side};
   return camera;
+}
+
+// Gives the film the aspect of a camera's view. Its longer side is that of films without settings.
+void SetFilmOf(const Camera& camera, Scene& scene) {
+  const ScreenWindow& view = *camera.window;
+  const double aspect = double(view.right - view.left) / double(view.top - view.bottom);
+  constexpr double kMost = 100, kLongerSide = 640;
+  if (!(aspect > 1 / kMost && aspect < kMost)) return;
+  scene.settings.width = int(std::lround(kLongerSide * std::min(aspect, 1.0)));
+  scene.settings.height = int(std::lround(kLongerSide / std::max(aspect, 1.0)));
 }
 
 // Adds the camera of node `index`. The first one of a file is rendered unless another is asked for,
@@ -235,7 +161,10 @@ void AddCamera(const tinygltf::Model& model, std::size_t index, const glm::dmat4
     AddNote(warnings, InputPosition::File(path), problem + ": left out");
     return;
   }
-  if (!scene.camera) scene.camera = camera;
+  if (!scene.camera) {
+    scene.camera = camera;
+    SetFilmOf(*camera, scene);
+  }
   scene.cameras.push_back(
       {NameOnce(node.name.empty() ? from.name : node.name, index, names), *camera});
 }
@@ -244,22 +173,36 @@ void AddCamera(const tinygltf::Model& model, std::size_t index, const glm::dmat4
 // instances.
 class MeshAdder {
  public:
-  MeshAdder(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
-            std::size_t max_triangles, Scene& scene, Warnings& warnings)
+  MeshAdder(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
+            GltfMaterials& materials, const std::string& path, std::size_t max_triangles,
+            Scene& scene, Warnings& warnings)
       : model_(model),
+        poses_(poses),
+        worlds_(WorldTransforms(model, poses)),
         materials_(materials),
         path_(path),
         max_triangles_(max_triangles),
         scene_(scene),
         warnings_(warnings) {
-    for (const tinygltf::Node& node : model.nodes) {
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+      const tinygltf::Node& node = model.nodes[i];
       if (node.mesh < 0 || std::size_t(node.mesh) >= model.meshes.size()) continue;
-      places_[ShapeOf(node)] += HasGltfInstances(node) ? 2 : 1;
+      places_[ShapeOf(i)] += HasGltfInstances(node) ? 2 : 1;
     }
   }
 
-  void Add(const tinygltf::Node& node, const glm::dmat4& world) {
-    const Shape shape = ShapeOf(node);
+  const glm::dmat4& world(std::size_t node) const { return worlds_[node]; }
+
+  // Adds the mesh of a node. One with a skin is where its joints are, not where the node is.
+  void Add(std::size_t index) {
+    const tinygltf::Node& node = model_.nodes[index];
+    const glm::dmat4& world = worlds_[index];
+    const Shape shape = ShapeOf(index);
+    if (node.skin >= 0) {
+      const GltfSkin skin = MakeGltfSkin(model_, node.skin, worlds_, path_);
+      for (Mesh& mesh : Read(shape, &skin)) scene_.meshes.push_back(std::move(mesh));
+      return;
+    }
     if (places_[shape] < 2) {
       for (Mesh& mesh : Read(shape)) {
         TransformMesh(world, mesh);
@@ -286,17 +229,19 @@ class MeshAdder {
   // A mesh, and the weights of its morph targets.
   using Shape = std::pair<int, std::vector<double>>;
 
-  // Weights of a node are taken before those of its mesh.
-  Shape ShapeOf(const tinygltf::Node& node) const {
+  // Animated weights are taken before those of a node, and these before those of its mesh.
+  Shape ShapeOf(std::size_t index) const {
+    const tinygltf::Node& node = model_.nodes[index];
+    if (poses_[index].weights) return {node.mesh, *poses_[index].weights};
     if (std::size_t(node.mesh) >= model_.meshes.size() || !node.weights.empty()) {
       return {node.mesh, node.weights};
     }
     return {node.mesh, model_.meshes[std::size_t(node.mesh)].weights};
   }
 
-  std::vector<Mesh> Read(const Shape& shape) {
+  std::vector<Mesh> Read(const Shape& shape, const GltfSkin* skin = nullptr) {
     std::vector<Mesh> meshes =
-        MakeGltfMeshes(model_, shape.first, shape.second, materials_, path_, warnings_);
+        MakeGltfMeshes(model_, shape.first, shape.second, skin, materials_, path_, warnings_);
     for (const Mesh& mesh : meshes) triangles_ += mesh.triangles.size();
     if (triangles_ > max_triangles_) {
       FailGltf(path_, fmt::format("has more than {} triangles (`max-triangles`)", max_triangles_));
@@ -305,7 +250,9 @@ class MeshAdder {
   }
 
   const tinygltf::Model& model_;
-  const GltfMaterials& materials_;
+  const std::vector<GltfPose>& poses_;
+  const std::vector<glm::dmat4> worlds_;
+  GltfMaterials& materials_;
   const std::string& path_;
   std::size_t max_triangles_;
   Scene& scene_;
@@ -325,15 +272,14 @@ bool IsHidden(const tinygltf::Node& node) {
 }
 
 // Walks the trees below the roots; every node has at most one parent.
-void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
-              const std::string& path, MeshAdder& adder, Scene& scene, Warnings& warnings) {
+void AddNodes(const tinygltf::Model& model, const std::string& path, MeshAdder& adder, Scene& scene,
+              Warnings& warnings) {
   struct Visit {
     int node;
-    glm::dmat4 parent;
     bool hidden = false;
   };
   std::vector<Visit> open;
-  for (const int root : Roots(model, path)) open.push_back({root, glm::dmat4(1), false});
+  for (const int root : Roots(model, path)) open.push_back({root, false});
   std::reverse(open.begin(), open.end());
   std::vector<bool> seen(model.nodes.size());
   std::set<std::string> camera_names;
@@ -347,19 +293,17 @@ void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
       FailGltf(path, fmt::format("node {} has two parents or is its own ancestor", visit.node));
     }
     seen[std::size_t(visit.node)] = true;
-    const tinygltf::Node& node = model.nodes[std::size_t(visit.node)];
-    const glm::dmat4 world = visit.parent * LocalTransform(node, poses[std::size_t(visit.node)]);
+    const auto index = std::size_t(visit.node);
+    const tinygltf::Node& node = model.nodes[index];
+    const glm::dmat4& world = adder.world(index);
     const bool hidden = visit.hidden || IsHidden(node);
-    if (node.skin >= 0 && !hidden) {
-      AddWarning(warnings, InputPosition::File(path), "skins are not supported: left at rest");
-    }
-    if (node.mesh >= 0 && !hidden) adder.Add(node, world);
+    if (node.mesh >= 0 && !hidden) adder.Add(index);
     if (!hidden) AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0) {
-      AddCamera(model, std::size_t(visit.node), world, path, camera_names, scene, warnings);
+      AddCamera(model, index, world, path, camera_names, scene, warnings);
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-      open.push_back({*child, world, hidden});
+      open.push_back({*child, hidden});
     }
   }
 }
@@ -367,13 +311,13 @@ void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
 }  // namespace
 
 Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options) {
-  const tinygltf::Model model = Load(bytes, path);
   Scene scene;
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
-  const GltfMaterials materials = AddGltfMaterials(model, path, scene, warnings);
+  const tinygltf::Model model = LoadGltf(bytes, path, warnings);
+  GltfMaterials materials(model, path, scene, warnings);
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
-  MeshAdder adder(model, materials, path, options.max_triangles, scene, warnings);
-  AddNodes(model, poses, path, adder, scene, warnings);
+  MeshAdder adder(model, poses, materials, path, options.max_triangles, scene, warnings);
+  AddNodes(model, path, adder, scene, warnings);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
   if (!scene.animations.empty() && !options.frame) {

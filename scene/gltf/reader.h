@@ -1,4 +1,4 @@
-// Reads glTF 2.0 files, .gltf and .glb, with tinygltf.
+// Reads glTF 2.0 files, .gltf and .glb (gltf/document.h).
 //
 // The reader takes the triangles of the default scene (or the first one, or all nodes without a
 // parent if there is no scene), with every instance as a copy; its cameras, each named after its
@@ -6,7 +6,7 @@
 // materials described in gltf/materials.h. If a frame is asked for, nodes are where the animations
 // have them then (gltf/animation.h). The world is right-handed with y up. Buffers and images lie in
 // the file, in data: URIs or in files below its folder; absolute paths and paths with .. are
-// refused. Morph targets have the weights of the file. Skins, points and lines are left out.
+// refused. Skins are where their joints are (gltf/skins.h). Points and lines are left out.
 #pragma once
 
 #include <string>

@@ -110,9 +110,10 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
                                  parameters.directive, cone, full));
   }
   light.cos_dark = std::cos(glm::radians(cone));
-  light.cos_full = std::cos(glm::radians(std::max(full, 0.0f)));
+  light.cos_full = std::max(std::cos(glm::radians(full)), light.cos_dark);
+  if (reader.v3) light.curve = SpotCurve::kFourth;
   if (const auto power = Strength(parameters, "power")) {
-    light.emission *= *power / SpotSolidAngle(light.cos_full, light.cos_dark);
+    light.emission *= *power / SpotSolidAngle(light);
   }
   const glm::dmat3 linear(reader.state.to_world);
   if (Stretches(linear)) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/light_paths/flux.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/bsdf_formulas.h"
@@ -17,8 +18,7 @@ namespace {
 constexpr std::uint32_t kRows = 1000;
 
 bool Transmits(const MaterialCase& material) {
-  return material.kind == BsdfKind::kRoughDielectric ||
-         material.kind == BsdfKind::kDiffuseTransmission;
+  return Bsdfs()[std::size_t(material.kind)].transmits;
 }
 
 SurfaceRanges RangesOf(BsdfKind kind, std::uint32_t n) {

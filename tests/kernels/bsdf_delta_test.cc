@@ -153,6 +153,28 @@ TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
   }
 }
 
+// A black pane that reflects white reflects once, at its surface, as KHR_materials_transmission has
+// it: 4 % of light from above, at index 1.5.
+TEST(ThinGlass, ReflectsOnceWithAColourOfItsOwn) {
+  constexpr std::uint32_t kGrid = 4096;
+  ScatterRows uniforms(kGrid, 3);
+  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
+  MaterialCase pane = {"pane", BsdfKind::kThinDielectric, {.eta = {1, 0.5f, 0.25f}, .ior = 1.5f}};
+  for (const double cosine : {1.0, 0.2}) {
+    const ShadingRows rows(pane, kGrid, kNormal, EyeAt(cosine));
+    soa::Table<RayColumns> rays(kGrid);
+    const std::uint32_t alive =
+        rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {}, rays, 0);
+    double sum[3] = {};
+    for (std::uint32_t i = 0; i < alive; ++i) {
+      sum[0] += rays->throughput_r[i], sum[1] += rays->throughput_g[i];
+      sum[2] += rays->throughput_b[i];
+    }
+    const double once = FresnelReflectance(cosine, 1.5);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / kGrid, once / (1 << c), 1.01 / kGrid);
+  }
+}
+
 // What is reflected has the colour that the material gives it, also black, and what passes that of
 // the reflectance.
 TEST(Glass, ReflectionsHaveAColourOfTheirOwn) {

@@ -7,6 +7,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
+#include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_albedo.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/targets.h"
@@ -159,6 +160,21 @@ TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
     }
     const MaterialRecord sheet = {.color = {0.3f, 0.3f, 0.3f}, .eta = {0.7f, 0.7f, 0.7f}};
     EXPECT_NEAR(Albedo({"", BsdfKind::kDiffuseTransmission, sheet}, cosine)[1], 1, 1e-4);
+  }
+}
+
+// Its two lobes lose what a white conductor of the same width loses.
+TEST(BsdfEnergy, WhiteRoughPanesLoseNothing) {
+  for (const float alpha : {0.02f, 0.1f, 0.37f, 1.0f}) {
+    const MaterialRecord pane = PackMaterial({.bsdf = BsdfKind::kRoughThinDielectric,
+                                              .reflectance = glm::vec3(1),
+                                              .alpha = alpha,
+                                              .ior = 1.5f},
+                                             {});
+    for (const double cosine : kCosines) {
+      EXPECT_NEAR(Albedo({"", BsdfKind::kRoughThinDielectric, pane}, cosine)[1], 1, 6e-3)
+          << "alpha " << alpha << ", cosine " << cosine;
+    }
   }
 }
 

@@ -93,8 +93,7 @@ TEST(BsdfReference, Formulae) {
     }
     const double c = std::cos(material.turn), s = std::sin(material.turn);
     const auto turned = [&](Vec w) { return Vec{c * w.x + s * w.y, c * w.y - s * w.x, w.z}; };
-    const bool transmits = material.kind == BsdfKind::kDiffuseTransmission ||
-                           material.kind == BsdfKind::kRoughDielectric;
+    const bool transmits = Bsdfs()[std::size_t(material.kind)].transmits;
     ForEachTarget([&] {
       const auto seen = rows.Evaluate(wis);
       double largest = 0;

@@ -165,7 +165,7 @@ TEST_P(ShapedLight, HasThePowerOfItsIntegral) {
   const LocalLightTotal& total = lights_.totals()[std::size_t(LocalLightKind::kShaped)];
   EXPECT_NEAR(total.power, luminance * cell, 1e-3 * luminance * cell);
   if (GetParam() == 3) {
-    const double sr = SpotSolidAngle(light().cos_full, light().cos_dark);
+    const double sr = SpotSolidAngle(light());
     EXPECT_NEAR(total.power, double(Luminance(&light().emission.x)) * sr, 1e-4 * total.power);
   }
   const Rays out = Emit(view_, 51);

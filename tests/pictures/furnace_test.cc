@@ -111,6 +111,9 @@ std::vector<FurnaceCase> Cases() {
       cases.push_back({"RoughGlass" + std::to_string(percent) + shading,
                        White(BsdfKind::kRoughDielectric, float(percent) / 100), smooth, mean + 2e-3,
                        block + 4e-3});
+      cases.push_back({"RoughPane" + std::to_string(percent) + shading,
+                       White(BsdfKind::kRoughThinDielectric, float(percent) / 100), smooth,
+                       mean + 2e-3, block + 4e-3});
       Material brushed = White(BsdfKind::kAnisotropicConductor, float(percent) / 100);
       brushed.alpha_across = 0.5f;
       cases.push_back({"Brushed" + std::to_string(percent) + shading, brushed, smooth, mean + 5e-3,

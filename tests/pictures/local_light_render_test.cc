@@ -85,7 +85,7 @@ TEST(LocalLightIrradiance, APointLightFallsWithTheSquareOfTheDistance) {
 }
 
 TEST(LocalLightIrradiance, ASpotIsFullInsideAndDarkOutside) {
-  const auto expect = [](float degrees, float falloff) {
+  const auto expect = [](float degrees, double falloff, SpotCurve curve = SpotCurve::kSmoothStep) {
     Scene scene = Floor();
     const float angle = glm::radians(degrees);
     // The spot points away from the origin by that angle; it is full up to 20 degrees and dark from
@@ -95,13 +95,16 @@ TEST(LocalLightIrradiance, ASpotIsFullInsideAndDarkOutside) {
                      .position = {0, 3, 0},
                      .direction = {std::sin(angle), -std::cos(angle), 0},
                      .cos_full = std::cos(glm::radians(20.0f)),
-                     .cos_dark = std::cos(glm::radians(40.0f))}};
-    ExpectIrradiance(scene, glm::vec3(8, 4, 2) * falloff / 9.0f);
+                     .cos_dark = std::cos(glm::radians(40.0f)),
+                     .curve = curve}};
+    ExpectIrradiance(scene, glm::vec3(8, 4, 2) * float(falloff) / 9.0f);
   };
   expect(0, 1), expect(19, 1), expect(41, 0);
   const double c20 = std::cos(kPi / 9), c40 = std::cos(2 * kPi / 9), c30 = std::cos(kPi / 6);
   const double t = (c30 - c40) / (c20 - c40);
-  expect(30, float(t * t * (3 - 2 * t)));
+  expect(30, t * t * (3 - 2 * t));
+  expect(30, t * t, SpotCurve::kSquare), expect(19, 1, SpotCurve::kSquare);
+  expect(30, t * t * t * t, SpotCurve::kFourth), expect(41, 0, SpotCurve::kFourth);
 }
 
 // The leaf is seen from below, and the camera is farther away than the lamp: shadow rays start

@@ -13,6 +13,7 @@
 
 #include "lights/strategies/strategy.h"
 #include "tests/support/adversarial_maps.h"
+#include "tests/support/bsdf_cases.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/same_as_oracle.h"
@@ -136,6 +137,7 @@ Scene TwoTiles(const Material& material) {
 std::vector<Material> OtherBsdfs() {
   std::vector<Material> all = OneOfEachBsdf();
   using enum BsdfKind;
+  all.push_back(FrostedPane());
   std::erase_if(all, [](const Material& m) {
     return m.bsdf == kLambert || m.bsdf == kConductor || m.bsdf == kMetallicRoughness ||
            m.bsdf == kMirror || m.bsdf == kDielectric || m.bsdf == kMeasured;

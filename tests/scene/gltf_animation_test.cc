@@ -167,7 +167,7 @@ TEST(GltfAnimation, KeepsWhatItDoesNotMove) {
 
 TEST(GltfAnimation, MovesChildrenCamerasAndLights) {
   GltfDocument document = TriangleDocument();
-  document.json["nodes"][0]["children"] = {1, 2, 4};
+  document.json["nodes"][0]["children"] = {1, 2, 5};
   document.json["scenes"][0]["nodes"] = {0, 3};
   document.json["extensionsUsed"] = {"KHR_lights_punctual"};
   document.json["extensions"]["KHR_lights_punctual"]["lights"] = {
@@ -253,12 +253,36 @@ TEST(GltfAnimation, UnknownNamesListTheAnimations) {
   }
 }
 
-TEST(GltfAnimation, WeightsAreLeftAtRestWithAWarning) {
+// A file stores the weights of all targets at the first key, then those at the second one.
+TEST(GltfAnimation, MovesTheWeightsOfMorphTargets) {
+  GltfDocument document = TriangleDocument();
+  nlohmann::json& mesh = document.json["meshes"][0];
+  const auto target = [&](const std::vector<float>& moves) {
+    mesh["primitives"][0]["targets"].push_back({{"POSITION", document.Add<float>(moves, "VEC3")}});
+  };
+  target({0, 0, 0, 0, 1, 0, 0, 0, 0}), target({0, 0, 0, 0, 0, 1, 0, 0, 0});
+  mesh["weights"] = {9, 9};
+  const int times = document.Add<float>({0, 2}, "SCALAR");
+  document.Animate(0, 1, "weights", times, document.Add<float>({0, 1, 4, 3}, "SCALAR"));
+  EXPECT_TRUE(ReadAt(document, 0).warnings.empty());
+  ExpectNear(VertexAt(document, 0), {6, 0, 1});
+  ExpectNear(VertexAt(document, 0.5), {6, 1, 1.5});
+  ExpectNear(VertexAt(document, 3), {6, 4, 3});
+  // Normalized bytes are fractions.
+  document.json["animations"][0]["samplers"][0]["output"] =
+      document.Add<std::uint8_t>({0, 255, 51, 0}, "SCALAR", true);
+  ExpectNear(VertexAt(document, 2), {6, 0.2, 0});
+  // Three keys cannot have four weights.
+  document.json["animations"][0]["samplers"][0]["input"] = document.Add<float>({0, 1, 2}, "SCALAR");
+  EXPECT_THROW(ReadAt(document, 0), InputError);
+}
+
+TEST(GltfAnimation, WhatIsNotAnimatedIsNamed) {
   GltfDocument document = OneChannel("translation", {0}, {1, 0, 0});
-  document.json["animations"][0]["channels"][0]["target"]["path"] = "weights";
+  document.json["animations"][0]["channels"][0]["target"]["path"] = "pointer";
   const Scene scene = ReadAt(document, 0);
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("'weights'"), std::string::npos) << scene.warnings[0];
+  EXPECT_NE(scene.warnings[0].find("'pointer'"), std::string::npos) << scene.warnings[0];
   EXPECT_THROW(
       ParseGltf(document.text(), "a.gltf", {.strict = true, .frame = 0, .fps = 1, .animation = ""}),
       InputError);
@@ -324,11 +348,11 @@ TEST(GltfCameras, HaveTheNamesOfTheirNodesAndNoNameTwice) {
   document.json["cameras"][1]["name"] = "lens";
   document.json["nodes"].push_back({{"camera", 0}});
   document.json["nodes"].push_back({{"camera", 1}, {"scale", {0, 0, 0}}});
-  document.json["scenes"][0]["nodes"] = {0, 2, 3, 4, 5, 6};
+  document.json["scenes"][0]["nodes"] = {0, 2, 3, 5, 6, 7};
   const Scene scene = ParseGltf(document.text(), "a.gltf");
   std::vector<std::string> names;
   for (const NamedCamera& camera : scene.cameras) names.push_back(camera.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"front", "front#3", "lens", "#5"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"front", "front#3", "lens", "#6"}));
   EXPECT_EQ(scene.camera->world_from_camera, scene.cameras[0].camera.world_from_camera);
   ASSERT_EQ(scene.warnings.size(), 1u) << "one of no size is left out";
   EXPECT_NE(scene.warnings[0].find("left out"), std::string::npos);

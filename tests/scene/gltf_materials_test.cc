@@ -15,6 +15,9 @@
 namespace skywave {
 namespace {
 
+// Returns the material of the first mesh.
+const Material& Body(const Scene& scene) { return scene.materials.at(scene.meshes.at(0).material); }
+
 TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   WritePng(folder_.Write("a b.png", ""), 2, 1, {255, 0, 0, 0, 255, 0});
   json document = Document();
@@ -213,8 +216,15 @@ TEST_F(Gltf, TransmissionAndIndicesMakeGlass) {
       {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
       {"KHR_materials_ior", {{"ior", 1.33}}}};
   json& extensions = document["materials"][0]["extensions"];
-  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kThinDielectric);
-  EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+  EXPECT_EQ(Body(Read(document)).mixture->share, 0.25f) << "the metal";
+  document["materials"][0]["pbrMetallicRoughness"] = {{"metallicFactor", 0},
+                                                      {"roughnessFactor", 0}};
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kThinDielectric);
+  EXPECT_FLOAT_EQ(Body(Read(document)).ior, 1.33f);
+  EXPECT_EQ(Body(Read(document)).reflection, glm::vec3(1));
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kRoughThinDielectric);
+  EXPECT_FLOAT_EQ(Body(Read(document)).alpha, 0.25f);
   extensions["KHR_materials_volume"] = {{"thicknessFactor", 0.5}};
   document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0;
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kDielectric);
@@ -226,37 +236,140 @@ TEST_F(Gltf, TransmissionAndIndicesMakeGlass) {
   EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
 }
 
-// Metals and partial glass are mixtures, of which the larger part is rendered.
-TEST_F(Gltf, TransmissionThatIsNotRenderedIsNamed) {
+// KHR_materials_transmission mixes metal and a dielectric by the metal, and the dielectric of glass
+// and an opaque body by the transmission.
+TEST_F(Gltf, TransmissionIsAShareOfGlass) {
   json document = Document();
   json& material = document["materials"][0];
   json& pbr = material["pbrMetallicRoughness"];
-  pbr = {{"metallicFactor", 1}, {"roughnessFactor", 0}};
-  material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
-  const Scene metal = Read(document);
-  EXPECT_EQ(metal.materials[0].bsdf, BsdfKind::kMetallicRoughness);
-  EXPECT_TRUE(metal.warnings.empty());
-  const auto warns = [&](const std::string& of) {
-    const Scene scene = Read(document);
-    return scene.warnings.size() == 1 && scene.warnings[0].find(of) != std::string::npos &&
-           scene.warnings[0].find("'paint'") != std::string::npos;
+  json& glass = material["extensions"]["KHR_materials_transmission"];
+  glass = {{"transmissionFactor", 0.4}};
+  const auto read = [&] {
+    Scene scene = Read(document);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    return scene;
   };
-  pbr["metallicFactor"] = 0;
-  EXPECT_TRUE(Read(document).warnings.empty());
-  material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 0.4;
-  EXPECT_TRUE(warns("partial transmission of 0.4"));
-  material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
-  pbr["baseColorFactor"] = {1, 0.5, 1, 1};
-  EXPECT_TRUE(warns("on reflections too"));
-  pbr.erase("baseColorFactor");
-  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
-  document["images"] = {{{"uri", "n.png"}}};
+  const auto part = [](const Scene& scene, std::uint32_t row) { return scene.materials.at(row); };
+  pbr = {{"metallicFactor", 1}, {"roughnessFactor", 0}};
+  EXPECT_EQ(Body(read()).bsdf, BsdfKind::kMetallicRoughness) << "metal lets nothing through";
+  EXPECT_FALSE(Body(read()).mixture);
+
+  pbr = {{"metallicFactor", 0}, {"roughnessFactor", 0}, {"baseColorFactor", {0.2, 0.4, 0.6, 1}}};
+  const Scene half = read();
+  ASSERT_TRUE(Body(half).mixture);
+  EXPECT_FLOAT_EQ(Body(half).mixture->share, 0.4f);
+  EXPECT_EQ(Body(half).name, "paint");
+  const Material body = part(half, Body(half).mixture->first);
+  const Material pane = part(half, Body(half).mixture->second);
+  EXPECT_EQ(body.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_EQ(pane.bsdf, BsdfKind::kThinDielectric);
+  ExpectNear(pane.reflectance, {0.2f, 0.4f, 0.6f});
+  EXPECT_EQ(pane.reflection, glm::vec3(1));
+
+  // A quarter of metal lies beside the dielectric, three quarters.
+  pbr["metallicFactor"] = 0.25;
+  const Scene three = read();
+  EXPECT_FLOAT_EQ(Body(three).mixture->share, 0.25f);
+  EXPECT_EQ(part(three, Body(three).mixture->second).metallic, 1);
+  const Material dielectric = part(three, Body(three).mixture->first);
+  ASSERT_TRUE(dielectric.mixture);
+  EXPECT_FLOAT_EQ(dielectric.mixture->share, 0.4f);
+  EXPECT_EQ(part(three, dielectric.mixture->first).metallic, 0);
+}
+
+// The red channel of its texture is the transmission, the blue one of that of roughness the metal;
+// all glass has the texture of the base colour.
+TEST_F(Gltf, TransmissionHasTheTexturesOfTheMaterial) {
+  WritePng(folder_.Write("a.png", ""), 2, 1, {255, 0, 0, 51, 255, 255});
+  WritePng(folder_.Write("m.png", ""), 2, 1, {0, 128, 0, 0, 128, 255});
+  WritePng(folder_.Write("w.png", ""), 1, 1, {255, 128, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}, {{"uri", "m.png"}}, {{"uri", "w.png"}}};
+  document["textures"] = {{{"source", 0}}, {{"source", 1}}, {{"source", 2}}};
+  json& material = document["materials"][0];
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr = {{"metallicFactor", 0.5},
+         {"baseColorTexture", {{"index", 0}}},
+         {"metallicRoughnessTexture", {{"index", 1}}}};
+  json& glass = material["extensions"]["KHR_materials_transmission"];
+  glass = {{"transmissionFactor", 0.5}, {"transmissionTexture", {{"index", 0}}}};
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const auto shares = [&](const Material& of) {
+    return scene.images[scene.textures.at(of.mixture_texture.value()).image].rgb;
+  };
+  const Material whole = Body(scene);
+  EXPECT_EQ(shares(whole), (std::vector<float>{0, 0, 0, 0.5f, 0.5f, 0.5f}));
+  const Material metal = scene.materials[whole.mixture->second];
+  EXPECT_EQ(metal.metallic, 1);
+  EXPECT_EQ(scene.images[scene.textures[*metal.roughness_texture].image].rgb,
+            (std::vector<float>{0, 128 / 255.0f, 1, 0, 128 / 255.0f, 1}));
+  const Material dielectric = scene.materials[whole.mixture->first];
+  EXPECT_EQ(shares(dielectric), (std::vector<float>{0.5f, 0.5f, 0.5f, 0.1f, 0.1f, 0.1f}));
+  const Material pane = scene.materials[dielectric.mixture->second];
+  EXPECT_EQ(pane.bsdf, BsdfKind::kRoughThinDielectric);
+  EXPECT_TRUE(pane.color_texture && pane.roughness_texture);
+
+  // Textures of one value are numbers: no metal, and all glass.
+  pbr["metallicRoughnessTexture"]["index"] = 2;
+  glass = {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 2}}}};
+  EXPECT_FALSE(Body(Read(document)).mixture);
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kRoughThinDielectric);
+}
+
+// A material that no primitive of the scene uses is not read: its image may be missing.
+TEST_F(Gltf, WhatIsUnusedIsNotRead) {
+  json document = Document();
+  document["images"] = {{{"uri", "missing.png"}}};
   document["textures"] = {{{"source", 0}}};
-  pbr["baseColorTexture"] = {{"index", 0}};
-  EXPECT_TRUE(warns("baseColorTexture"));
-  pbr.erase("baseColorTexture");
-  pbr["metallicRoughnessTexture"] = {{"index", 0}};
-  EXPECT_TRUE(warns("metallicRoughnessTexture"));
+  document["materials"].push_back({{"name", "unused"}, {"normalTexture", {{"index", 0}}}});
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(scene.materials.size(), 1u);
+  document["meshes"][0]["primitives"][0]["material"] = 1;
+  const Scene used = Read(document);
+  ASSERT_EQ(used.warnings.size(), 1u);
+  EXPECT_NE(used.warnings[0].find("'unused'"), std::string::npos) << used.warnings[0];
+  EXPECT_NE(used.warnings[0].find("missing.png"), std::string::npos) << used.warnings[0];
+}
+
+// Specular-glossiness becomes metallic-roughness. Colours without a specular part above 4 % are a
+// dielectric's; a black diffuse one leaves a metal of the specular colour.
+TEST_F(Gltf, SpecularGlossinessIsConverted) {
+  json document = Document();
+  json& extension = document["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+  extension = {{"diffuseFactor", {0.5, 0.25, 0.125, 1}},
+               {"specularFactor", {0.04, 0.04, 0.04}},
+               {"glossinessFactor", 0.75}};
+  const Material body = Body(Read(document));
+  ExpectNear(body.reflectance, {0.5f, 0.25f, 0.125f});
+  EXPECT_NEAR(body.metallic, 0, 1e-4);
+  EXPECT_FLOAT_EQ(body.alpha, 0.0625f);
+  extension["diffuseFactor"] = {0, 0, 0, 1};
+  extension["specularFactor"] = {0.9, 0.6, 0.3};
+  const Material metal = Body(Read(document));
+  ExpectNear(metal.reflectance, {0.9f, 0.6f, 0.3f});
+  EXPECT_NEAR(metal.metallic, 1, 1e-5);
+
+  // Texels are converted one by one: a white body, and a metal of half the reflectance. The alpha
+  // of the specular texture is the glossiness.
+  WritePng(folder_.Write("d.png", ""), 2, 1, {255, 255, 255, 0, 0, 0});
+  folder_.Write("s.png", TransparentPng());
+  document["images"] = {{{"uri", "d.png"}}, {{"uri", "s.png"}}};
+  document["textures"] = {{{"source", 0}}, {{"source", 1}}};
+  extension = {{"specularFactor", {0.5, 0.5, 0.5}},
+               {"diffuseTexture", {{"index", 0}}},
+               {"specularGlossinessTexture", {{"index", 1}}}};
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const auto texels = [&](std::optional<std::uint32_t> texture) {
+    return scene.images[scene.textures.at(texture.value()).image].rgb;
+  };
+  const std::vector<float> widths = texels(Body(scene).roughness_texture);
+  EXPECT_NEAR(widths[1], 0, 1e-6);
+  EXPECT_NEAR(widths[4], 0.8, 1e-6) << "an alpha of a fifth";
+  EXPECT_EQ(Body(scene).alpha, 1);
+  EXPECT_EQ(Body(scene).reflectance, glm::vec3(1));
 }
 
 TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
@@ -276,8 +389,19 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
   extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
   EXPECT_TRUE(Read(document).warnings.empty());
+  // A texture of its strength, here of one value, and of its roughness, which is left out.
   extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
-  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatTexture"), std::string::npos);
+  EXPECT_FLOAT_EQ(Body(Read(document)).coat, 0.5f * 128 / 255);
+  EXPECT_TRUE(Read(document).warnings.empty());
+  WritePng(folder_.Write("n.png", ""), 2, 1, {128, 128, 255, 0, 128, 255});
+  const Scene partly = Read(document);
+  ASSERT_TRUE(Body(partly).mixture);
+  EXPECT_EQ(partly.materials[Body(partly).mixture->first].bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_EQ(partly.materials[Body(partly).mixture->second].coat, 1);
+  const auto& shares = partly.textures.at(Body(partly).mixture_texture.value());
+  EXPECT_FLOAT_EQ(partly.images[shares.image].rgb[0], 0.5f * 128 / 255);
+  extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatRoughnessTexture"), std::string::npos);
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},

@@ -13,6 +13,7 @@
 #include "tests/support/gltf_document.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/temporary_folder.h"
+#include "wavefront/frame.h"
 
 namespace skywave {
 namespace {
@@ -119,8 +120,8 @@ TEST_F(Gltf, CamerasLookAlongMinusZ) {
   EXPECT_NEAR(scene.camera->fov_degrees, glm::degrees(1.0), 1e-4);
 }
 
-// yfov is the vertical angle, and ours is that across the shorter side of the film.
-TEST_F(Gltf, CamerasOfPortraitsAndWithoutPerspective) {
+// yfov is the vertical angle of a view that has the aspect of the camera, or none.
+TEST_F(Gltf, CamerasShowTheirWholeViewOnAnyFilm) {
   const auto camera = [&](const json& from) {
     json document = Document();
     document["cameras"] = {from};
@@ -132,9 +133,29 @@ TEST_F(Gltf, CamerasOfPortraitsAndWithoutPerspective) {
     return camera({{"type", "perspective"},
                    {"perspective", {{"yfov", 1.0}, {"znear", 0.1}, {"aspectRatio", aspect}}}});
   };
-  EXPECT_NEAR(perspective(0.25).fov_degrees, 2 * glm::degrees(std::atan(0.25 * std::tan(0.5))),
-              1e-4);
-  EXPECT_NEAR(perspective(4).fov_degrees, glm::degrees(1.0), 1e-4);
+  // Returns the tangents of half the angles that the film sees, from left to right and from below.
+  const auto seen = [](const Camera& from, int width, int height) {
+    const CameraView view = MakeCameraView(from, width, height, nullptr, std::nullopt);
+    const float pixel = view.right[0];
+    EXPECT_NEAR(pixel, -view.down[1], 1e-6) << "pixels are square";
+    EXPECT_NEAR(view.corner[0], -pixel * float(width) / 2, 1e-6) << "the view is in the middle";
+    EXPECT_NEAR(view.corner[1], pixel * float(height) / 2, 1e-6);
+    return glm::vec2(pixel * float(width) / 2, pixel * float(height) / 2);
+  };
+  const auto expect = [&](const Camera& from, int width, int height, double x, double y) {
+    const glm::vec2 half = seen(from, width, height);
+    EXPECT_NEAR(half.x, x, 1e-5) << width << " x " << height;
+    EXPECT_NEAR(half.y, y, 1e-5) << width << " x " << height;
+  };
+  const double up = std::tan(0.5);
+  expect(perspective(2), 200, 100, 2 * up, up);
+  expect(perspective(2), 300, 100, 3 * up, up);
+  expect(perspective(2), 100, 100, 2 * up, 2 * up);
+  expect(perspective(0.25), 100, 100, up, up);
+  expect(perspective(0.25), 10, 100, 0.25 * up, 2.5 * up);
+  const Camera open =
+      camera({{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
+  expect(open, 300, 100, 3 * up, up), expect(open, 100, 300, up / 3, up);
   const Camera parallel =
       camera({{"type", "orthographic"},
               {"orthographic", {{"xmag", 3.0}, {"ymag", 2.0}, {"znear", 0}, {"zfar", 9}}}});
@@ -144,6 +165,27 @@ TEST_F(Gltf, CamerasOfPortraitsAndWithoutPerspective) {
   EXPECT_EQ(parallel.window->right, 3);
   EXPECT_EQ(parallel.window->bottom, -2);
   EXPECT_EQ(parallel.window->top, 2);
+  expect(parallel, 300, 100, 6, 2), expect(parallel, 100, 100, 3, 3);
+}
+
+// The film has the aspect of the camera, and the scale of the camera's nodes does not count.
+TEST_F(Gltf, CamerasGiveTheFilmTheirAspect) {
+  json document = Document();
+  document["cameras"] = {{{"type", "perspective"},
+                          {"perspective", {{"yfov", 1.0}, {"znear", 0.1}, {"aspectRatio", 1.6}}}}};
+  document["nodes"].push_back({{"camera", 0}, {"scale", {2, 5, -3}}});
+  document["scenes"][0]["nodes"].push_back(3);
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.settings.width, 640);
+  EXPECT_EQ(scene.settings.height, 400);
+  const glm::mat4& world = scene.camera.value().world_from_camera;
+  ExpectNear(glm::vec3(world[0]), {1, 0, 0}), ExpectNear(glm::vec3(world[1]), {0, 1, 0});
+  ExpectNear(glm::vec3(world[2]), {0, 0, 1});
+  document["cameras"][0]["perspective"]["aspectRatio"] = 0.5;
+  EXPECT_EQ(Read(document).settings.width, 320);
+  EXPECT_EQ(Read(document).settings.height, 640);
+  document["cameras"][0]["perspective"].erase("aspectRatio");
+  EXPECT_FALSE(Read(document).settings.width);
 }
 
 // A matrix is listed by columns (glTF 2.0, 3.5.3); a scale comes before the rotation.
@@ -305,7 +347,9 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
   refused("/buffers/0/uri", "/etc/hostname");
   refused("/buffers/0/uri", "x/../../a.bin");
   refused("/buffers/0/uri", "data:application/octet-stream;base64,AAAA");
-  refused("/extensionsRequired", {"KHR_draco_mesh_compression"});
+  refused("/extensionsRequired", {"KHR_texture_basisu"});
+  refused("/asset/version", "1.0");
+  refused("/asset/minVersion", "2.1");
   refused("/nodes/1/scale", {std::numeric_limits<double>::max(), 1, 1});
   for (const char* const uri : {"../a.png", "/a.png"}) {
     json document = Document();
@@ -314,13 +358,13 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
     document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
     EXPECT_NE(ErrorOf(document), "") << uri;
   }
-  {  // The specification has PNG and JPEG alone.
+  {  // The specification and its extensions have these alone.
     WritePfm(folder_.Path("a.pfm"), Image(1, 1));
     json document = Document();
     document["images"] = {{{"uri", "a.pfm"}}};
     document["textures"] = {{{"source", 0}}};
     document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    EXPECT_NE(Read(document).warnings.at(0).find("neither PNG nor JPEG"), std::string::npos);
+    EXPECT_NE(Read(document).warnings.at(0).find("neither PNG, JPEG nor WebP"), std::string::npos);
   }
   for (const char* const pointer : {"/bufferView", "/mimeType"}) {
     json document = Document();
@@ -390,6 +434,35 @@ TEST_F(Gltf, AccessorsWithoutViewsAreZero) {
       {"indices", {{"bufferView", 3}, {"byteOffset", 2}, {"componentType", 5123}}},
       {"values", {{"bufferView", 3}}}};
   EXPECT_EQ(Read(document).meshes.at(0).triangles, std::vector<glm::uvec3>{glm::uvec3(0, 0, 1)});
+}
+
+// All corners of a triangle without a view are vertex 0.
+TEST_F(Gltf, IndicesWithoutViewsAreZero) {
+  json document = Document();
+  document["accessors"][3].erase("bufferView");
+  EXPECT_EQ(Read(document).meshes.at(0).triangles, std::vector<glm::uvec3>{glm::uvec3(0)});
+}
+
+// A buffer has at least as many bytes as the file says (3.6.1).
+TEST_F(Gltf, BuffersMayBeLongerThanTheFileSays) {
+  folder_.Write("a.bin", Buffer() + "more");
+  EXPECT_EQ(ReadGltf(folder_.Write("b.gltf", Document().dump())).meshes.size(), 2u);
+}
+
+// Files of version 1 name their things by words.
+TEST_F(Gltf, OtherVersionsAreNamed) {
+  json document = Document();
+  document["asset"]["version"] = "1.0";
+  EXPECT_NE(ErrorOf(document).find("glTF 1.0"), std::string::npos);
+  document["asset"] = json::object();
+  document["meshes"] = {{"triangle", json::object()}};
+  EXPECT_NE(ErrorOf(document).find("glTF 1.0"), std::string::npos);
+  document = Document();
+  document["asset"]["minVersion"] = "2.1";
+  EXPECT_NE(ErrorOf(document).find("2.1"), std::string::npos);
+  std::string glb = Glb(Document(), Buffer());
+  glb[4] = 3;
+  EXPECT_THROW(ParseGltf(glb, "a.glb"), InputError);
 }
 
 TEST_F(Gltf, PrimitivesWithoutPositionsAreLeftOut) {

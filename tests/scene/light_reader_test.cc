@@ -75,6 +75,23 @@ TEST(PbrtLights, SpotLightsAreRead) {
   // The range between the cones counts half of its solid angle.
   const double sr = 2 * kPi * (1 - plain.cos_full) + kPi * (plain.cos_full - plain.cos_dark);
   EXPECT_NEAR(plain.emission.x * sr, 5, 1e-4);
+  EXPECT_EQ(plain.curve, SpotCurve::kSmoothStep);
+  // An inner cone of a negative angle is one of the same cosine.
+  const PunctualLight beyond =
+      OnlyLight("LightSource \"spot\" \"float coneangle\" 30 \"float conedeltaangle\" 40");
+  EXPECT_NEAR(beyond.cos_full, std::cos(glm::radians(10.0f)), 1e-6);
+}
+
+// In pbrt-v3, light falls by the fourth power between the cones.
+TEST(PbrtLights, SpotsOfVersion3FallFaster) {
+  PunctualLight spot = {.cos_full = 0.9f, .cos_dark = 0.4f, .curve = SpotCurve::kFourth};
+  EXPECT_NEAR(SpotSolidAngle(spot), 2 * kPi * (0.1 + 0.5 / 5), 1e-6);
+  spot.curve = SpotCurve::kSquare;
+  EXPECT_NEAR(SpotSolidAngle(spot), 2 * kPi * (0.1 + 0.5 / 3), 1e-6);
+  const Scene scene =
+      ParsePbrt("WorldBegin LightSource \"spot\" \"float coneangle\" 40 Shape \"sphere\" WorldEnd",
+                "v3.pbrt", {});
+  EXPECT_EQ(scene.lights.at(0).curve, SpotCurve::kFourth);
 }
 
 // A uniform sky of radiance 1 gives every surface pi.

@@ -83,6 +83,18 @@ class GltfLights : public testing::Test {
                {"rotation", {-0.7071067811865476, 0, 0, 0.7071067811865476}},
                {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}}}};
   }
+  // Returns the same with a triangle of each of so many materials.
+  static json DocumentOf(const json& materials) {
+    json document = Document();
+    document["materials"] = materials;
+    document["accessors"] = {{{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}};
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+      document["meshes"][0]["primitives"].push_back(
+          {{"attributes", {{"POSITION", 0}}}, {"material", i}});
+    }
+    document["nodes"][0]["mesh"] = 0;
+    return document;
+  }
   static json& Light(json& document) {
     return document["extensions"]["KHR_lights_punctual"]["lights"][0];
   }
@@ -108,25 +120,29 @@ TEST_F(GltfLights, PunctualLightsAreRead) {
   Light(document)["type"] = "spot";
   Light(document)["spot"] = {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.6}};
   const Scene cone = Read(document);
-  ASSERT_EQ(cone.warnings.size(), 1u);
-  EXPECT_NE(cone.warnings[0].find("smooth step"), std::string::npos) << cone.warnings[0];
+  EXPECT_TRUE(cone.warnings.empty());
   const PunctualLight spot = cone.lights.at(0);
   EXPECT_EQ(spot.kind, LocalLightKind::kSpot);
   ExpectNear(spot.direction, {0, -1, 0});
   EXPECT_NEAR(spot.cos_full, std::cos(0.2), 1e-6);
   EXPECT_NEAR(spot.cos_dark, std::cos(0.6), 1e-6);
+  EXPECT_EQ(spot.curve, SpotCurve::kSquare);
+  // All members of a spot have defaults: a cone of a quarter of a turn, dark from its edge on.
+  Light(document).erase("spot");
+  const PunctualLight plain = Read(document).lights.at(0);
+  EXPECT_NEAR(plain.cos_full, 1, 1e-6);
+  EXPECT_NEAR(plain.cos_dark, std::sqrt(0.5), 1e-6);
 }
 
 TEST_F(GltfLights, EmissionOfMaterialsIsRead) {
-  json document = Document();
-  document["materials"] = {
-      {{"name", "dark"}},
-      {{"emissiveFactor", {1, 0.5, 0.25}}},
-      {{"emissiveFactor", {1, 0.5, 0.25}},
-       {"doubleSided", true},
-       {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 6}}}}}}};
-  const Scene scene = Read(document);
+  const Scene scene = Read(DocumentOf(
+      {{{"name", "dark"}},
+       {{"emissiveFactor", {1, 0.5, 0.25}}},
+       {{"emissiveFactor", {1, 0.5, 0.25}},
+        {"doubleSided", true},
+        {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 6}}}}}}}));
   EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.materials.size(), 3u);
   EXPECT_EQ(scene.materials[0].emission, glm::vec3(0));
   ExpectNear(scene.materials[1].emission, {1, 0.5f, 0.25f});
   EXPECT_FALSE(scene.materials[1].emits_on_both_sides);
@@ -154,7 +170,7 @@ TEST_F(GltfLights, InvalidLightsAreRefused) {
   EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", 1), "");
   EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", -1), "");
   EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", "x"), "");
-  EXPECT_NE(error_of("/materials", {{{"emissiveFactor", {-1, 0, 0}}}}), "");
+  EXPECT_THROW(Read(DocumentOf({{{"emissiveFactor", {-1, 0, 0}}}})), InputError);
   json document = Document();
   Light(document)["type"] = "spot";
   for (const auto& [inner, outer] :

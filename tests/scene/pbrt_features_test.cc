@@ -321,7 +321,7 @@ TEST_F(MalformedPbrt, StrictRefusesWhatEveryReaderReports) {
   Put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
   Put("a.gltf",
       "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
-      "\"skin\":0}],\"skins\":[{\"joints\":[0]}]}");
+      "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{}}]}]}");
   for (const char* name : {"a.pbrt", "a.obj", "a.gltf"}) {
     EXPECT_EQ(Run(std::string("info ") + name).exit_code, 0) << name;
     const Result strict = Run(std::string("info --strict ") + name);

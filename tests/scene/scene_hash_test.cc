@@ -98,6 +98,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
       {"place of a light", [](Scene& s) { s.lights[0].position.y = 1; }},
       {"direction", [](Scene& s) { s.lights[0].direction.y = 1; }},
       {"inner cone", [](Scene& s) { s.lights[0].cos_full = 0.5f; }},
+      {"curve of spot", [](Scene& s) { s.lights[0].curve = SpotCurve::kSquare; }},
       {"outer cone", [](Scene& s) { s.lights[0].cos_dark = 0.5f; }},
       {"form", [](Scene& s) { s.lights[0].form->mapping = LightMapping::kPlane; }},
       {"turn of the form", [](Scene& s) { s.lights[0].form->world_from_light[1].x = 1; }},

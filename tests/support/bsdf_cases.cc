@@ -163,6 +163,22 @@ std::vector<MaterialCase> MakeDenseCases() {
   list.push_back({"Enamel", kCoatedDiffuse, RecordWithCoat(Lacquered(0.05f, 1.5f))});
   list.push_back({"Satin", kCoatedDiffuse, RecordWithCoat(Lacquered(0.4f, 1.8f))});
   list.push_back({"Misty", kCoatedDiffuse, RecordWithCoat(Misty(Lacquered(0.2f, 1.33f)))});
+  for (const float alpha : {0.05f, 0.4f, 1.0f}) {
+    list.push_back({"Pane" + std::to_string(int(alpha * 100)), kRoughThinDielectric,
+                    PackMaterial({.bsdf = kRoughThinDielectric,
+                                  .reflectance = {0.9f, 0.6f, 0.2f},
+                                  .alpha = alpha,
+                                  .reflection = glm::vec3(1, 0.8f, 0.5f)},
+                                 {})});
+  }
+  list.push_back({"PaneWhite", kRoughThinDielectric,
+                  PackMaterial({.bsdf = kRoughThinDielectric,
+                                .reflectance = glm::vec3(1),
+                                .alpha = 0.2f,
+                                .ior = 1.8f,
+                                .energy_compensation = false},
+                               {}),
+                  true});
   list.push_back({"Measured", kMeasured, {.color = {1, 1, 1}, .alpha = 0.3f, .ior = 0.6f}});
   return list;
 }
@@ -251,6 +267,14 @@ MaterialRecord RecordWithCoat(const Material& material) {
     Coats().push_back(MakeCoatTable(material));
   }
   return record;
+}
+
+Material FrostedPane() {
+  return {.name = "frosted pane",
+          .bsdf = BsdfKind::kRoughThinDielectric,
+          .reflectance = {0.9f, 0.7f, 0.3f},
+          .alpha = 0.2f,
+          .reflection = glm::vec3(1)};
 }
 
 Material RoughGlass(float alpha, float ior) {

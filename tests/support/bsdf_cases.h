@@ -24,12 +24,16 @@ std::vector<float> SyntheticMeasuredTable();
 
 // Returns rough glass that loses nothing, and GGX facets of two widths likewise.
 Material RoughGlass(float alpha, float ior);
+Material FrostedPane();
 MaterialRecord Keeping(MaterialRecord anisotropic);
 
 // Returns the near index over the far index, 1 if nothing is refracted, or nothing if light cannot
 // pass.
 inline std::optional<double> TransmissionRatio(const MaterialCase& material) {
-  if (material.kind == BsdfKind::kDiffuseTransmission) return 1;
+  if (material.kind == BsdfKind::kDiffuseTransmission ||
+      material.kind == BsdfKind::kRoughThinDielectric) {
+    return 1;
+  }
   if (material.kind != BsdfKind::kRoughDielectric) return std::nullopt;
   return material.back ? double(material.record.ior) : 1.0 / material.record.ior;
 }

@@ -117,13 +117,15 @@ FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
 
 // The transmittance of smooth glass for diffuse light from outside is integrated here.
 double DiffuseTransmittanceOf(double ior) {
+  static std::map<double, double> known;
+  if (const auto found = known.find(ior); found != known.end()) return found->second;
   constexpr int kSteps = 20000;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double sine = std::sin(kPi / 2 * (i + 0.5) / kSteps), cosine = std::sqrt(1 - sine * sine);
     sum += (1 - RealFresnel(cosine, 1 / ior)) * 2 * sine * cosine * kPi / 2 / kSteps;
   }
-  return sum;
+  return known[ior] = sum;
 }
 
 // Adds the light that facets scatter more than once, by kernels/bsdf/dielectric_tables.h, in energy
@@ -154,12 +156,7 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
     return between(wo, [&](const DielectricRow& row) { return double(row.mean[inside]); });
   };
   const bool passes = wi.z < 0, wi_inside = material.back != passes;
-  static std::map<float, double> transmittances;
-  auto known = transmittances.find(m.ior);
-  if (known == transmittances.end()) {
-    known = transmittances.emplace(m.ior, DiffuseTransmittanceOf(m.ior)).first;
-  }
-  const double of_diffuse = known->second / (material.back ? Square(m.ior) : 1);
+  const double of_diffuse = DiffuseTransmittanceOf(m.ior) / (material.back ? Square(m.ior) : 1);
   const double own = mean(material.back), other = mean(!material.back);
   const double through = of_diffuse * other / std::max(own, other);
   const double lost_o = lost(material.back, wo), cosine = std::fabs(wi.z);
@@ -168,6 +165,47 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   if (passes) value *= material.back ? Square(m.ior) : 1 / Square(m.ior);
   for (int c = 0; c < 3; ++c) out.rgb[c] += GlassColor(m, !passes)[c] * value;
   out.pdf = (1 - lost_o) * out.pdf + lost_o * share * cosine / kPi;
+  return out;
+}
+
+// Interpolates the tables of conductor_tables.h bilinearly in the square roots.
+double TableAt(const float* table, double alpha, double cosine) {
+  const double r = std::sqrt(alpha) * (kAlbedoRows - 1);
+  const double c = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
+  const auto row = std::min(std::size_t(r), std::size_t(kAlbedoRows - 1));
+  const auto column = std::size_t(c);
+  const auto at = [&](std::size_t i, std::size_t j) {
+    return double(table[i * (kAlbedoColumns + 1) + j]);
+  };
+  const double above = std::lerp(at(row, column), at(row, column + 1), c - double(column));
+  const double below = std::lerp(at(row + 1, column), at(row + 1, column + 1), c - double(column));
+  return std::lerp(above, below, r - double(row));
+}
+
+// A conductor's lobe that reflects by glass's Fresnel, and one that is mirrored to the other side;
+// and what both lose, of which diffuse light's share goes through (Kulla and Conty 2017).
+FormulaValue RoughThinDielectricFormula(const MaterialRecord& m, Vec wo, Vec wi) {
+  const bool reflects = wi.z > 0;
+  const Vec up = {wi.x, wi.y, std::fabs(wi.z)}, h = HalfOf(wo, up);
+  const double f = RealFresnel(std::min(Dot(wo, h), 1.0), 1 / double(m.ior));
+  const double lo = GgxLambda(wo, m.alpha, m.alpha), li = GgxLambda(up, m.alpha, m.alpha);
+  const double lobe = (reflects ? f : 1 - f) * GgxDensity(h, m.alpha, m.alpha) / (4 * wo.z);
+  FormulaValue out;
+  out.pdf = lobe / (1 + lo);
+  double value = lobe / (1 + lo + li);
+  if (m.multiscatter[1] > 0) {
+    const auto lost = [&](Vec w) { return LostByGgx(m.alpha, w.z); };
+    const double row = std::sqrt(double(m.alpha)) * (kAlbedoRows - 1);
+    const auto low = std::size_t(row);
+    const double mean =
+        std::lerp(double(GgxTables().padded_mean_albedo[low]),
+                  double(GgxTables().padded_mean_albedo[low + 1]), row - double(low));
+    const double through = DiffuseTransmittanceOf(m.ior);
+    const double share = (reflects ? 1 - through : through) * up.z / kPi;
+    value += share * lost(wo) * lost(up) / (1 - mean);
+    out.pdf += lost(wo) * (share - out.pdf);
+  }
+  for (int c = 0; c < 3; ++c) out.rgb[c] = GlassColor(m, reflects)[c] * value;
   return out;
 }
 
@@ -256,20 +294,6 @@ FormulaValue WardFormula(const MaterialRecord& m, Vec wo, Vec wi) {
   out.pdf = bell / (4 * kPi * x * y * Dot(wo, unit) * unit.z * unit.z * unit.z);
   for (int c = 0; c < 3; ++c) out.rgb[c] = m.color[c] * f * wi.z;
   return out;
-}
-
-// Interpolates the tables of conductor_tables.h bilinearly in the square roots.
-double TableAt(const float* table, double alpha, double cosine) {
-  const double r = std::sqrt(alpha) * (kAlbedoRows - 1);
-  const double c = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
-  const auto row = std::min(std::size_t(r), std::size_t(kAlbedoRows - 1));
-  const auto column = std::size_t(c);
-  const auto at = [&](std::size_t i, std::size_t j) {
-    return double(table[i * (kAlbedoColumns + 1) + j]);
-  };
-  const double above = std::lerp(at(row, column), at(row, column + 1), c - double(column));
-  const double below = std::lerp(at(row + 1, column), at(row + 1, column + 1), c - double(column));
-  return std::lerp(above, below, r - double(row));
 }
 
 // Adds one layer of kernels/bsdf/coat-inl.h over `below`.
@@ -422,6 +446,10 @@ FormulaValue MeasuredFormula(const MaterialRecord& m, Vec wo, Vec wi) {
 
 }  // namespace
 
+double LostByGgx(double alpha, double cosine) {
+  return 1 - TableAt(GgxTables().albedo, alpha, cosine);
+}
+
 double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi) {
   return GlassFacetsFormula(material, wo, wi).pdf;
 }
@@ -455,6 +483,8 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
     case BsdfKind::kCoatedConductor:
     case BsdfKind::kCoatedDiffuse:
       return TabledCoatFormula(material, wo, wi);
+    case BsdfKind::kRoughThinDielectric:
+      return RoughThinDielectricFormula(m, wo, wi);
     case BsdfKind::kMeasured:
       return MeasuredFormula(m, wo, wi);
     default:

@@ -14,6 +14,10 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
+// Returns the share of light that white GGX facets scatter more than once, by the tables of the
+// kernels.
+double LostByGgx(double alpha, double cosine);
+
 // Returns the density of RoughDielectric without its lobes of scattering between facets.
 double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi);
 

@@ -47,6 +47,15 @@ FormulaValue ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi, int 
     Add(Distance(BsdfFormula(denser, wo, wi), middle), 1, change);
     Add(middle, FresnelChange(*TransmissionRatio(material), wo, wi), change);
   }
+  if (material.kind == BsdfKind::kRoughThinDielectric) {
+    const double ratio = 1.0 / material.record.ior;
+    const Vec mirrored = {wi.x, wi.y, std::fabs(wi.z)};
+    Add(middle, FresnelChange(ratio, wo, mirrored), change);
+    // What facets lose is the difference of two numbers near 1.
+    for (const Vec& w : {wo, mirrored}) {
+      Add(middle, 0x1p-24 / std::max(LostByGgx(double(material.record.alpha), w.z), 1e-6), change);
+    }
+  }
   if (material.kind == BsdfKind::kPhong || material.kind == BsdfKind::kBlinn) {
     const double exponent = 2 / (double(material.record.alpha) * material.record.alpha) - 2;
     Add(middle, 0x1p-24 * 6 * exponent, change);

@@ -16,7 +16,9 @@ struct GltfDocument {
   // Returns the number of a new accessor of `type`, such as "VEC3", to these numbers.
   template <class Number>
   int Add(const std::vector<Number>& numbers, const std::string& type, bool normalized = false) {
-    const std::size_t components = type == "SCALAR" ? 1 : std::size_t(type.back() - '0');
+    const std::size_t components = type == "SCALAR" ? 1
+                                   : type == "MAT4" ? 16
+                                                    : std::size_t(type.back() - '0');
     json["accessors"].push_back({{"bufferView", AddView(numbers)},
                                  {"componentType", ComponentType<Number>()},
                                  {"normalized", normalized},
@@ -85,13 +87,15 @@ inline GltfDocument TriangleDocument() {
   GltfDocument document;
   const int positions = document.Add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
   nlohmann::json& json = document.json;
-  json["scenes"] = {{{"nodes", {0, 2, 3}}}};
+  json["scenes"] = {{{"nodes", {0, 2, 3, 4}}}};
   json["nodes"] = {{{"children", {1}}, {"translation", {5, 0, 0}}},
                    {{"mesh", 0}},
                    {{"camera", 0}, {"name", "front"}, {"translation", {5.25, 0.25, 4}}},
-                   {{"camera", 1}, {"name", "side"}, {"translation", {4, 1, 3}}}};
+                   {{"camera", 1}, {"name", "side"}, {"translation", {4, 1, 3}}},
+                   {{"mesh", 1}, {"scale", {0, 0, 0}}}};  // seen by nobody, and of steel
   json["meshes"] = {
-      {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"material", 0}}}}}};
+      {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"material", 0}}}}},
+      {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"material", 1}}}}}};
   json["materials"] = {
       {{"name", "paint"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 1}}}}},
       {{"name", "steel"}, {"pbrMetallicRoughness", {{"metallicFactor", 1}}}}};

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
@@ -192,9 +193,7 @@ double SpecularProbability(const OracleMaterial& m, double cosine) {
 }
 
 // BSDFs with formulae are drawn by lobes of which none has to fit: their densities are known.
-bool Transmits(const OracleMaterial& m) {
-  return m.bsdf == BsdfKind::kDiffuseTransmission || m.bsdf == BsdfKind::kRoughDielectric;
-}
+bool Transmits(const OracleMaterial& m) { return Bsdfs()[std::size_t(m.bsdf)].transmits; }
 double VisibleDensity(double alpha, const dvec3& wo, const dvec3& wi) {
   const dvec3 h = glm::normalize(wo + wi);
   const double a2 = alpha * alpha;
@@ -216,13 +215,13 @@ OracleValue EvaluateFormula(const OracleMaterial& m, bool back, const dvec3& wo,
     out.pdf = 0.7 * facets + 0.3 * std::abs(wi.z) / (2 * kPi);
     return out;
   }
-  out.pdf = std::abs(wi.z) / kPi;
-  if (m.bsdf == BsdfKind::kDiffuseTransmission) {
-    out.pdf /= 2;
-  } else {
-    for (const double width : LobeWidths(m)) out.pdf += VisibleDensity(width, wo, wi);
+  const dvec3 up(wi.x, wi.y, std::abs(wi.z));
+  out.pdf = up.z / kPi;
+  if (m.bsdf != BsdfKind::kDiffuseTransmission) {
+    for (const double width : LobeWidths(m)) out.pdf += VisibleDensity(width, wo, up);
     out.pdf /= 3;
   }
+  if (Transmits(m)) out.pdf /= 2;  // both sides have the same density
   return out;
 }
 
@@ -244,9 +243,12 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
     return ratio * (c * h - wo) - inside * h;
   }
   const double lobe = 3 * random();
-  if (lobe < 1) return CosineDirection(random);
+  if (lobe < 1 && !Transmits(m)) return CosineDirection(random);
+  if (lobe < 1) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
   const dvec3 h = VisibleNormal(LobeWidths(m)[lobe < 2 ? 0 : 1], wo, random);
-  return 2 * glm::dot(wo, h) * h - wo;
+  const dvec3 wi = 2 * glm::dot(wo, h) * h - wo;
+  if (m.bsdf != BsdfKind::kRoughThinDielectric || random() < 0.5) return wi;
+  return wi.z > 0 ? dvec3(wi.x, wi.y, -wi.z) : dvec3(0);
 }
 
 OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleRandom& random) {

@@ -20,7 +20,8 @@ double Area(const OracleLocalLights::Triangle& t) {
 double Falloff(const PunctualLight& light, double cosine) {
   const double t =
       std::clamp((cosine - light.cos_dark) / (light.cos_full - light.cos_dark), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+  if (light.curve == SpotCurve::kSmoothStep) return t * t * (3 - 2 * t);
+  return std::pow(t, light.curve == SpotCurve::kSquare ? 2 : 4);
 }
 
 // Returns the texel at (s, t) of the unit square, t downwards.

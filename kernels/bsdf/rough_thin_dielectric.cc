@@ -1,0 +1,124 @@
+// The rough thin dielectric is a frosted pane: one interface of GGX microfacets (Walter et al.
+// 2007) that reflect by the dielectric's Fresnel reflectance and let the rest through as if it had
+// been reflected and then mirrored to the other side, which is how glTF's
+// KHR_materials_transmission describes surfaces without a volume. Facets are drawn by visible
+// normals (Heitz 2018), then reflection with the probability of its reflectance.
+//
+// As reflection and transmission have mirrored lobes, both together lose what white facets lose, so
+// lobes of Kulla and Conty 2017 return it: (1 - E(wo)) (1 - E(wi)) / (pi (1 - mean E)), split
+// between the sides as the smooth interface splits diffuse light. White panes lose nothing.
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/dielectric_tables.h"
+#include "kernels/bsdf/material.h"
+#include "kernels/bsdf/pack.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/rough_thin_dielectric.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct RoughThinDielectric {
+  static constexpr bool kTransmits = true;
+  // The transmittance for diffuse light; 0 where light that scatters between facets is lost.
+  static constexpr MaterialField kDiffuseThrough = kDielectricTransmittance;
+
+  HWY_INLINE RoughThinDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                                 std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        reflection(GlassReflection(m, fields).Or(color)),
+        ggx(m.varied ? VariedGgx(s, i) : Ggx(Field(m, fields, kAlpha))),
+        tables(*m.conductor),
+        ratio(1.0f / Field(m, fields, kIor)),
+        through(Field(m, fields, kDiffuseThrough)) {}
+
+  HWY_INLINE VF Reflectance(VF cosine) const {
+    return FresnelDielectric(Clamp(cosine, 0.0f, 1.0f), ratio).reflectance;
+  }
+  // Returns the share of light from w that facets scatter more than once.
+  HWY_INLINE VF Lost(const V3& w) const {
+    const VF lost = 1.0f - ggx.Table(tables.albedo, hn::Abs(w.z));
+    return hn::IfThenElseZero(hn::Gt(through, hn::Zero(F())), lost);
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return Evaluate(wo, wi, Lost(wo));
+  }
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi, VF lost_o) const {
+    const VF one = Set(1.0f);
+    const MF above = hn::Gt(wi.z, hn::Zero(F()));
+    const V3 mirrored = {wi.x, wi.y, hn::Abs(wi.z)};
+    const V3 h = Ggx::HalfVector(wo, mirrored);
+    const VF reflectance = Reflectance(Dot(wo, h));
+    const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(mirrored);
+    const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
+    const VF lobe = IfThen(above, reflectance, one - reflectance) * (d * quarter_over_cos);
+    const VF visible = lobe / (one + lambda_o);
+
+    const VF diffuse = IfThen(above, one - through, through) * (mirrored.z * kInvPi);
+    const VF mean_lost = hn::Max(one - ggx.Mean(tables.padded_mean_albedo), Set(1e-6f));
+    const VF again = diffuse * (lost_o * Lost(wi) / mean_lost);
+    return {IfThen(above, reflection, color) * (lobe / (one + lambda_o + lambda_i) + again),
+            visible + lost_o * (diffuse - visible)};
+  }
+
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF one = Set(1.0f), zero = hn::Zero(F());
+    const VF lost = Lost(wo);
+    const MF again = hn::Lt(lobe, lost);
+    const VF rest = Clamp((lobe - lost) / hn::Max(one - lost, Set(1e-6f)), 0.0f, 0x1.fffffep-1f);
+    const V3 h = ggx.VisibleNormal(wo, u, v);
+    const VF cosine = Dot(wo, h);
+    const V3 up = IfThen(again, CosineHemisphere(u, v), h * (2.0f * cosine) - wo);
+    const MF passes = hn::Or(hn::And(again, hn::Lt(lobe, lost * through)),
+                             hn::AndNot(again, hn::Ge(rest, Reflectance(cosine))));
+    const V3 wi = {up.x, up.y, IfThen(passes, -up.z, up.z)};
+    BsdfSample sample = SampleOf(wi, Evaluate(wo, wi, lost));
+    // A reflection into the surface meets the facets again: the lobes return it.
+    sample.pdf = hn::IfThenElseZero(hn::Gt(up.z, zero), sample.pdf);
+    return sample;
+  }
+
+  VU fields;
+  V3 color, reflection;  // of what passes, and of what is reflected
+  Ggx ggx;
+  const ConductorTables& tables;
+  VF ratio;    // index outside over index inside
+  VF through;  // of the light that facets scatter more than once: it passes
+};
+
+SKYWAVE_BSDF_KERNELS(RoughThinDielectric)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits RoughThinDielectricTraits = {
+    .name = "rough-thin-dielectric",
+    .lobed = true,
+    .varying = Varying::kAlpha,
+    .transmits = true,
+    .tables = {.ggx = true},
+    .parameters = {{"alpha"}, {"ior"}, {"reflection"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PackAlpha(m, r);
+      PutField(r, MaterialField::kIor, m.ior);
+      PackReflection(m, r);
+      if (m.energy_compensation) {
+        PutField(r, HWY_NAMESPACE::RoughThinDielectric::kDiffuseThrough,
+                 DiffuseTransmittance(m.ior));
+      }
+    }};
+SKYWAVE_BSDF_TABLE(RoughThinDielectric)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,66 @@
+// The textures of a glTF file's materials, and the values of their extensions.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "image/image.h"
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+// Makes the textures of one material after the other.
+struct GltfTextures {
+  const tinygltf::Model& model;
+  const std::string& path;
+  Scene& scene;
+  Warnings& warnings;
+  std::string material = {};       // the name of the one that is being made
+  std::optional<int> uv_set = {};  // of its first texture: a mesh has the coordinates of one set
+  // What has been made of the images of the file, so that each is decoded once.
+  std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
+  std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};
+};
+
+// Adds a warning that names the file and the material.
+void WarnOfMaterial(GltfTextures& textures, const std::string& text);
+
+// A reference to a texture, wherever it stands in the file.
+struct GltfTextureInfo {
+  int index = -1, uv_set = 0;
+  std::optional<glm::mat3x2> transform = {};
+};
+GltfTextureInfo TextureInfo(const tinygltf::TextureInfo& from);
+GltfTextureInfo TextureInfo(const tinygltf::NormalTextureInfo& from);
+// Returns that of a member of an extension; its index is -1 where there is none.
+GltfTextureInfo TextureInfo(const tinygltf::Value& extension, const char* name);
+
+// Returns the index in Scene::textures of a new texture, or nothing where the file names none. One
+// that cannot be read is left out with a warning. Throws InputError(path) for a texture that does
+// not exist.
+std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTextureInfo& info,
+                                            Encoding encoding, TextureUse use);
+
+// The numbers in a channel of a texture times a factor: one number, where they are all the same, or
+// else a texture that has them in all of its channels.
+struct GltfShare {
+  float number;
+  std::optional<std::uint32_t> texture = {};
+};
+GltfShare AddGltfShare(GltfTextures& textures, const GltfTextureInfo& info, int channel,
+                       float factor);
+
+// Returns the object of an extension of a material, or null if it lacks it.
+const tinygltf::Value* GltfExtension(const tinygltf::Material& from, const char* name);
+// These return a member of an extension, or `otherwise` where it has none of that kind.
+double GltfNumber(const tinygltf::Value& object, const char* name, double otherwise);
+glm::vec3 GltfColor(const tinygltf::Value& object, const char* name, const glm::vec3& otherwise);
+
+}  // namespace skywave
