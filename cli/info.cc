@@ -169,6 +169,8 @@ nlohmann::ordered_json Json(const SceneFile& file) {
                                   {"seconds", animation.seconds},
                                   {"channels", animation.channels}});
   }
+  json["variants"] = scene.variants;
+  json["scenes"] = scene.scenes;
   json["materials"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     json["materials"].push_back(Json(scene.materials[i], summary.triangles_of_material[i]));
@@ -245,6 +247,11 @@ std::string Describe(const EnvironmentLight& light) {
   return "constant radiance " + Text(light.scale);
 }
 
+void PrintNames(const char* things, const std::vector<std::string>& names) {
+  if (!names.empty()) Print(stdout, "\n{} {}\n", names.size(), things);
+  for (const std::string& name : names) Print(stdout, "  {}\n", name);
+}
+
 void PrintScene(const std::string& path, const SceneFile& file) {
   const Scene& scene = file.scene;
   const SceneSummary& summary = file.summary;
@@ -281,6 +288,8 @@ void PrintScene(const std::string& path, const SceneFile& file) {
     Print(stdout, "  {:<24}{:.6g} s, {} channels\n", animation.name, animation.seconds,
           animation.channels);
   }
+  PrintNames("variants of materials", scene.variants);
+  if (scene.scenes.size() > 1) PrintNames("scenes", scene.scenes);
   Print(stdout, "\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];

@@ -255,6 +255,10 @@ std::vector<JobOption> ReadingRows() {
           FIELD(read.fps), Doubles(1e-3, 1e6)),
     Plain({.name = "animation", .group = kReading, .help = "play only this animation (skywave info lists them)", .scope = kPixels, .example = "moving.gltf --animation slide --frame 12", .default_text = "all", .metavar = "NAME", .of_reading = true},
           FIELD(read.animation), Texts("the name of an animation")),
+    Plain({.name = "variant", .group = kReading, .help = "variant of the materials (KHR_materials_variants; skywave info lists them)", .scope = kPixels, .example = "moving.gltf --variant worn", .default_text = "the materials of the file", .metavar = "NAME", .of_reading = true},
+          FIELD(read.variant), Texts("the name of a variant")),
+    Plain({.name = "gltf-scene", .group = kReading, .help = "scene of a glTF file that has several, by its name or its number from 0 on (skywave info lists them)", .scope = kPixels, .example = "moving.gltf --gltf-scene other", .default_text = "the file's", .metavar = "NAME", .of_reading = true},
+          FIELD(read.scene), Texts("the name or the number of a scene")),
     Plain({.name = "trust-input", .group = kReading, .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = kInput, .changes = Tables::kMap | Tables::kSceneLights, .example = "--trust-input"},
           FIELD(environment.limits.trust_input), Switches()),
 

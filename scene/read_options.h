@@ -35,6 +35,9 @@ struct ReadOptions {
   std::optional<double> frame;
   std::optional<double> fps;   // [1/s]; unset: kDefaultFps
   std::string animation = {};  // the only animation that moves something; empty: all do
+  // One of the scenes of a file and of the variants of its materials, by name; a scene also by its
+  // place in the file. Empty: the file's defaults.
+  std::string scene, variant;
 };
 
 inline constexpr double kDefaultFps = 24;

@@ -57,17 +57,28 @@ Scene ReadByEnding(const std::string& path, const ReadOptions& options) {
                    fmt::format("scenes end in {}, not in '{}'", SceneEndings(), ending));
 }
 
-// Checks what `options` ask of the animations of a scene, whatever its format.
-void CheckAnimation(const std::string& path, const ReadOptions& options, const Scene& scene) {
-  std::vector<std::string_view> names;
-  for (const AnimationInfo& animation : scene.animations) names.push_back(animation.name);
-  const bool found = std::find(names.begin(), names.end(), options.animation) != names.end();
-  if (!options.animation.empty() && !found) {
-    throw OptionError("animation", options.animation,
-                      names.empty() ? path + " has no animation"
-                                    : "there is no such animation; there are " +
-                                          NearestFirst(options.animation, names));
-  }
+// Throws OptionError unless `wanted`, the value of an option, is empty or one of `names`.
+void CheckName(const std::string& path, const char* option, const std::string& thing,
+               const std::string& wanted, const std::vector<std::string_view>& names) {
+  if (wanted.empty() || std::find(names.begin(), names.end(), wanted) != names.end()) return;
+  throw OptionError(
+      option, wanted,
+      names.empty() ? path + " has no " + thing
+                    : "there is no such " + thing + "; there are " + NearestFirst(wanted, names));
+}
+
+// Checks what `options` ask of a scene by name, whatever its format.
+void CheckNames(const std::string& path, const ReadOptions& options, const Scene& scene) {
+  std::vector<std::string_view> animations;
+  for (const AnimationInfo& animation : scene.animations) animations.push_back(animation.name);
+  CheckName(path, "animation", "animation", options.animation, animations);
+  CheckName(path, "variant", "variant", options.variant,
+            {scene.variants.begin(), scene.variants.end()});
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < scene.scenes.size(); ++i) places.push_back(std::to_string(i));
+  if (std::find(places.begin(), places.end(), options.scene) != places.end()) return;
+  CheckName(path, "gltf-scene", "choice of scenes", options.scene,
+            {scene.scenes.begin(), scene.scenes.end()});
 }
 
 }  // namespace
@@ -86,7 +97,7 @@ Scene ReadScene(const std::string& path, const ReadOptions& options) {
   const bool is_file = std::filesystem::exists(path, ignored);
   Scene scene = is_file ? ReadByEnding(path, options) : BuiltinScene(path);
   if (!is_file) ResolveInstances(options, path, scene);
-  CheckAnimation(path, options, scene);
+  CheckNames(path, options, scene);
   return scene;
 }
 

@@ -167,6 +167,8 @@ struct Scene {
   std::optional<Camera> camera;
   std::vector<NamedCamera> cameras;  // all those of a file that names them, the one above first
   std::vector<AnimationInfo> animations;
+  // What else there is to choose from in the file: its scenes, and the variants of its materials.
+  std::vector<std::string> scenes, variants;
   std::vector<EnvironmentLight> environments;
   std::vector<PunctualLight> lights;
   // Openings through which light from infinitely far away comes in. They decide where samples are

@@ -19,7 +19,39 @@ std::string WithoutControlCodes(std::string text) {
   return text;
 }
 
+// Returns what the line of an entry begins with: "materials 'a', 'b', 'c' and 4 more: ".
+std::string NamesOf(const Warnings::Entry& entry) {
+  if (entry.names.empty()) return "";
+  std::string text = entry.thing + (entry.named > 1 ? "s" : "");
+  for (const std::string& name : entry.names) {
+    text += (&name == entry.names.data() ? " '" : ", '") + name + "'";
+  }
+  if (entry.named > entry.names.size()) {
+    text += fmt::format(" and {} more", entry.named - entry.names.size());
+  }
+  return text + ": ";
+}
+
 }  // namespace
+
+void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
+                  const std::string& name, const std::string& text) {
+  constexpr std::size_t kMostNames = 3;
+  if (warnings.strict)
+    AddWarning(warnings, position, fmt::format("{} '{}': {}", thing, name, text));
+  const std::string clean = WithoutControlCodes(text), of = WithoutControlCodes(name);
+  const auto [found, is_new] =
+      warnings.by_text.try_emplace(thing + ": " + clean, warnings.entries.size());
+  if (is_new) {
+    warnings.entries.push_back(
+        {.first = position, .text = clean, .count = 1, .thing = thing, .names = {}});
+  }
+  Warnings::Entry& entry = warnings.entries[found->second];
+  if (!entry.names.empty() && entry.last == of) return;
+  entry.last = of;
+  ++entry.named;
+  if (entry.names.size() < kMostNames) entry.names.push_back(of);
+}
 
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text) {
   if (warnings.strict) {
@@ -31,14 +63,14 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw) {
   const std::string text = WithoutControlCodes(raw);
   const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());
-  if (is_new) warnings.entries.push_back({position, text, 0});
+  if (is_new) warnings.entries.push_back({.first = position, .text = text});
   ++warnings.entries[found->second].count;
 }
 
 std::vector<std::string> WarningLines(const Warnings& warnings) {
   std::vector<std::string> lines;
   for (const Warnings::Entry& entry : warnings.entries) {
-    lines.push_back(fmt::format("{}: {}", ToString(entry.first), entry.text));
+    lines.push_back(fmt::format("{}: {}{}", ToString(entry.first), NamesOf(entry), entry.text));
     if (entry.count > 1) lines.back() += fmt::format(" ({} times)", entry.count);
   }
   return lines;

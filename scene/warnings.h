@@ -15,6 +15,11 @@ struct Warnings {
     InputPosition first;
     std::string text;
     std::size_t count = 0;
+    // Of what it is said, such as "material", and the first few names of these.
+    std::string thing;
+    std::vector<std::string> names;
+    std::size_t named = 0;  // how many there are
+    std::string last;       // the last name, which is not counted twice in a row
   };
   std::vector<Entry> entries;  // in the order of their first appearance
   std::unordered_map<std::string, std::size_t> by_text;
@@ -24,6 +29,11 @@ struct Warnings {
 // Notes that the picture differs from the file's description: `text` names the cause and the
 // substitute. Throws it as an InputError if warnings are refused.
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text);
+
+// The same of a named thing, as in "material 'steel': ...". What is said of many of them is one
+// line with the first three names and the number of the others.
+void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
+                  const std::string& name, const std::string& text);
 
 // Notes that something in the file has no effect, although the picture matches the file's
 // description. Never refused.

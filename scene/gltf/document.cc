@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -24,25 +26,12 @@ using nlohmann::json;
 
 constexpr std::size_t kMostFileBytes = std::size_t{2} << 30;  // of a file
 
-// The extensions that a file may require.
-constexpr std::string_view kRequirable[] = {"EXT_mesh_gpu_instancing",
-                                            "EXT_meshopt_compression",
-                                            "EXT_texture_webp",
-                                            "KHR_draco_mesh_compression",
-                                            "KHR_lights_punctual",
-                                            "KHR_materials_clearcoat",
-                                            "KHR_materials_emissive_strength",
-                                            "KHR_materials_ior",
-                                            "KHR_materials_pbrSpecularGlossiness",
-                                            "KHR_materials_sheen",
-                                            "KHR_materials_specular",
-                                            "KHR_materials_transmission",
-                                            "KHR_materials_unlit",
-                                            "KHR_materials_variants",
-                                            "KHR_materials_volume",
-                                            "KHR_mesh_quantization",
-                                            "KHR_node_visibility",
-                                            "KHR_texture_transform"};
+// The extensions that a file may require; those of materials (KHR_materials_*) are named with the
+// materials that have them, and never refused; textures of KHR_texture_basisu are left out by name.
+constexpr std::string_view kRequirable[] = {
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_mesh_quantization",
+    "KHR_node_visibility",        "KHR_texture_basisu",      "KHR_texture_transform"};
 
 // ---- The container ----
 
@@ -110,6 +99,7 @@ void CheckVersion(const json& document, const std::string& path) {
   }
   for (const json& extension : document.value("extensionsRequired", json::array())) {
     const std::string name = extension.get<std::string>();
+    if (name.starts_with("KHR_materials_")) continue;
     if (std::find(std::begin(kRequirable), std::end(kRequirable), name) == std::end(kRequirable)) {
       FailGltf(path, fmt::format("needs the extension {}, which is not supported", name));
     }
@@ -130,7 +120,12 @@ constexpr std::string_view kBufferName = "skywave-buffer-";  // and its number, 
 std::string* BufferOf(const Files& files, std::string_view name) {
   if (name.starts_with("./")) name.remove_prefix(2);
   if (!name.starts_with(kBufferName)) return nullptr;
-  return &(*files.buffers)[std::stoul(std::string(name.substr(kBufferName.size())))];
+  // Names that a file has itself may begin likewise.
+  name.remove_prefix(kBufferName.size());
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+  const bool whole = error == std::errc() && end == name.data() + name.size();
+  return whole && index < files.buffers->size() ? &(*files.buffers)[index] : nullptr;
 }
 
 // Returns the file of that name, or nothing. tinygltf may prefix names with "./".
@@ -206,6 +201,8 @@ Callbacks CallbacksOf(Files& files) {
   return callbacks;
 }
 
+bool IsHexDigit(char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }
+
 // Returns the bytes of a buffer, of which at least as many have to be there as the file says.
 std::string ReadBuffer(const json& buffer, std::size_t index, const Container& container,
                        Files& files, const std::string& path) {
@@ -225,8 +222,8 @@ std::string ReadBuffer(const json& buffer, std::size_t index, const Container& c
   } else {
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
-      const bool escaped = uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(uri[i + 1]) != 0 &&
-                           std::isxdigit(uri[i + 2]) != 0;
+      const bool escaped =
+          uri[i] == '%' && i + 2 < uri.size() && IsHexDigit(uri[i + 1]) && IsHexDigit(uri[i + 2]);
       name += escaped ? char(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
       if (escaped) i += 2;
     }
@@ -260,6 +257,7 @@ bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, in
 void AddViewsOfZeros(GltfSource& source, const std::string& path) {
   json& document = source.json;
   if (!document.contains("meshes") || !document.contains("accessors")) return;
+  std::optional<std::size_t> zeros;  // the buffer of all of them
   for (const json& mesh : document["meshes"]) {
     for (const json& primitive : mesh.value("primitives", json::array())) {
       if (!primitive.contains("indices")) continue;
@@ -273,9 +271,14 @@ void AddViewsOfZeros(GltfSource& source, const std::string& path) {
                                    "the most that are read",
                                    index, count, kMostGltfZeros));
       }
+      if (!zeros) {
+        zeros = source.buffers.size();
+        source.buffers.emplace_back();
+      }
+      std::string& bytes = source.buffers[*zeros];
+      bytes.resize(std::max(bytes.size(), count * kLargestIndex));
       document["bufferViews"].push_back(
-          {{"buffer", source.buffers.size()}, {"byteLength", count * kLargestIndex}});
-      source.buffers.emplace_back(count * kLargestIndex, '\0');
+          {{"buffer", *zeros}, {"byteLength", count * kLargestIndex}});
       accessors[index]["bufferView"] = document["bufferViews"].size() - 1;
     }
   }

@@ -29,6 +29,7 @@ float FractionOf(GltfTextures& context, const tinygltf::Value& extension, const 
 constexpr const char* kCoat = "KHR_materials_clearcoat";
 constexpr const char* kCoatNormals = "clearcoatNormalTexture";
 constexpr const char* kTransmission = "KHR_materials_transmission";
+constexpr const char* kVariants = "KHR_materials_variants";
 constexpr const char* kVolume = "KHR_materials_volume";
 
 // The extensions of materials, and the textures of them that are rendered.
@@ -320,9 +321,41 @@ Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
 
 }  // namespace
 
+std::vector<std::string> GltfVariants(const tinygltf::Model& model) {
+  std::vector<std::string> names;
+  const auto found = model.extensions.find(kVariants);
+  if (found == model.extensions.end() || !found->second.Has("variants")) return names;
+  const tinygltf::Value& variants = found->second.Get("variants");
+  for (std::size_t i = 0; i < variants.ArrayLen(); ++i) {
+    const tinygltf::Value& variant = variants.Get(int(i));
+    const bool named = variant.Has("name") && variant.Get("name").IsString();
+    names.push_back(named ? variant.Get("name").Get<std::string>() : fmt::format("#{}", i));
+  }
+  return names;
+}
+
 GltfMaterials::GltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
                              Warnings& warnings)
     : textures_{model, path, scene, warnings} {}
+
+const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
+  const auto found = primitive.extensions.find(kVariants);
+  if (variant_ < 0 || found == primitive.extensions.end() || !found->second.Has("mappings")) {
+    return Use(primitive.material);
+  }
+  const tinygltf::Value& mappings = found->second.Get("mappings");
+  for (std::size_t i = 0; i < mappings.ArrayLen(); ++i) {
+    const tinygltf::Value& mapping = mappings.Get(int(i));
+    if (!mapping.Has("variants")) continue;
+    const tinygltf::Value& variants = mapping.Get("variants");
+    for (std::size_t v = 0; v < variants.ArrayLen(); ++v) {
+      if (variants.Get(int(v)).GetNumberAsInt() == variant_) {
+        return Use(int(GltfNumber(mapping, "material", -1)));
+      }
+    }
+  }
+  return Use(primitive.material);
+}
 
 const GltfMaterial& GltfMaterials::Use(int index) {
   const auto [known, is_new] = used_.try_emplace(std::max(index, -1));

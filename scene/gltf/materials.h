@@ -15,6 +15,7 @@
 //                                    converted (scene/gltf/specular_glossiness.h)
 //   KHR_materials_specular           a lower index that reflects less
 //   KHR_materials_unlit              Lambert, with a warning
+//   KHR_materials_variants           the materials of the file, or of the variant that is asked for
 //   KHR_texture_transform            offset, rotation and scale
 //   alphaMode MASK, BLEND            alpha: a cutoff, or the fraction of rays that is stopped
 //   normalTexture                    with its scale, along TANGENT or else the axes of the uvs
@@ -36,6 +37,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "scene/gltf/textures.h"
 #include "scene/scene.h"
@@ -59,13 +61,22 @@ class GltfMaterials {
   GltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
                 Warnings& warnings);
 
+  // Takes the materials of a variant (KHR_materials_variants) from here on; -1: those of the file.
+  void ChooseVariant(int variant) { variant_ = variant; }
+  // Returns the material of a primitive.
+  const GltfMaterial& Of(const tinygltf::Primitive& primitive);
+
+ private:
   // Returns a material by its index in the file, or that of primitives which name none (-1). Throws
   // InputError(path).
   const GltfMaterial& Use(int index);
 
- private:
   GltfTextures textures_;
   std::map<int, GltfMaterial> used_;
+  int variant_ = -1;
 };
+
+// Returns the names of the variants of a file's materials, in its order.
+std::vector<std::string> GltfVariants(const tinygltf::Model& model);
 
 }  // namespace skywave

@@ -110,7 +110,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
               const std::string& name, int mode, const std::vector<double>& weights,
               const GltfSkin* skin, GltfMaterials& materials, const std::string& path,
               Warnings& warnings) {
-  const GltfMaterial& material = materials.Use(primitive.material);
+  const GltfMaterial& material = materials.Of(primitive);
   Mesh mesh;
   mesh.name = name;
   mesh.material = material.row;

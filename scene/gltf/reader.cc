@@ -82,10 +82,25 @@ std::vector<glm::dmat4> WorldTransforms(const tinygltf::Model& model,
   return worlds;
 }
 
-// Returns the roots of the default scene.
-std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
+// Returns the names of the scenes, which are their numbers where they have none.
+std::vector<std::string> SceneNames(const tinygltf::Model& model) {
+  std::set<std::string> taken;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < model.scenes.size(); ++i) {
+    names.push_back(NameOnce(model.scenes[i].name, i, taken));
+  }
+  return names;
+}
+
+// Returns the roots of the scene of that name or number; the name may be empty.
+std::vector<int> Roots(const tinygltf::Model& model, const std::string& name,
+                       const std::string& path) {
   if (!model.scenes.empty()) {
-    const int scene = std::max(model.defaultScene, 0);
+    int scene = std::max(model.defaultScene, 0);
+    const std::vector<std::string> names = SceneNames(model);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (name == names[i] || (!name.empty() && name == std::to_string(i))) scene = int(i);
+    }
     if (std::size_t(scene) >= model.scenes.size()) {
       FailGltf(path, fmt::format("there is no scene {}", scene));
     }
@@ -272,14 +287,14 @@ bool IsHidden(const tinygltf::Node& node) {
 }
 
 // Walks the trees below the roots; every node has at most one parent.
-void AddNodes(const tinygltf::Model& model, const std::string& path, MeshAdder& adder, Scene& scene,
-              Warnings& warnings) {
+void AddNodes(const tinygltf::Model& model, const std::vector<int>& roots, const std::string& path,
+              MeshAdder& adder, Scene& scene, Warnings& warnings) {
   struct Visit {
     int node;
     bool hidden = false;
   };
   std::vector<Visit> open;
-  for (const int root : Roots(model, path)) open.push_back({root, false});
+  for (const int root : roots) open.push_back({root, false});
   std::reverse(open.begin(), open.end());
   std::vector<bool> seen(model.nodes.size());
   std::set<std::string> camera_names;
@@ -315,9 +330,15 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
   const tinygltf::Model model = LoadGltf(bytes, path, warnings);
   GltfMaterials materials(model, path, scene, warnings);
+  scene.scenes = SceneNames(model);
+  scene.variants = GltfVariants(model);
+  const auto variant = std::find(scene.variants.begin(), scene.variants.end(), options.variant);
+  if (variant != scene.variants.end()) {
+    materials.ChooseVariant(int(variant - scene.variants.begin()));
+  }
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
   MeshAdder adder(model, poses, materials, path, options.max_triangles, scene, warnings);
-  AddNodes(model, path, adder, scene, warnings);
+  AddNodes(model, Roots(model, options.scene, path), path, adder, scene, warnings);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
   if (!scene.animations.empty() && !options.frame) {

@@ -96,8 +96,8 @@ void ChooseUvSet(GltfTextures& textures, int set) {
 }  // namespace
 
 void WarnOfMaterial(GltfTextures& textures, const std::string& text) {
-  AddWarning(textures.warnings, InputPosition::File(textures.path),
-             fmt::format("material '{}': {}", textures.material, text));
+  AddWarningOf(textures.warnings, InputPosition::File(textures.path), "material", textures.material,
+               text);
 }
 
 double GltfNumber(const tinygltf::Value& object, const char* name, double otherwise) {
@@ -150,7 +150,10 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
   const int source = SourceOf(from);
   if (source < 0) {
     WarnOfMaterial(textures,
-                   fmt::format("texture {} has no image that is known: left out", info.index));
+                   fmt::format("texture {} has no image that is known{}: left out", info.index,
+                               from.extensions.contains("KHR_texture_basisu")
+                                   ? " (KHR_texture_basisu is not supported)"
+                                   : ""));
     return std::nullopt;
   }
   Texture texture;

@@ -341,6 +341,49 @@ TEST(GltfAnimation, InvalidAnimationsAreRefused) {
   }
 }
 
+Scene ReadVariant(const GltfDocument& document, const std::string& variant) {
+  ReadOptions options;
+  options.variant = variant;
+  return ParseGltf(document.text(), "a.gltf", options);
+}
+
+// A primitive has the material of the variant, or its own where it has none for it.
+TEST(GltfChoices, VariantsReplaceMaterials) {
+  GltfDocument document = MovingTriangle();
+  const auto material = [&](const std::string& variant) {
+    const Scene scene = ReadVariant(document, variant);
+    return scene.materials.at(scene.meshes.at(0).material).name;
+  };
+  EXPECT_EQ(ReadVariant(document, "").variants, std::vector<std::string>{"worn"});
+  EXPECT_EQ(material(""), "paint");
+  EXPECT_EQ(material("worn"), "steel");
+  document.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "new"}},
+                                                                       {{"name", "worn"}}};
+  EXPECT_EQ(material("new"), "steel");
+  EXPECT_EQ(material("worn"), "paint");
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("a.gltf", document.text());
+  ReadOptions options;
+  options.variant = "old";
+  EXPECT_THROW(ReadScene(path, options), OptionError);
+}
+
+TEST(GltfChoices, ScenesHaveNamesAndNumbers) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("a.gltf", MovingTriangle().text());
+  const auto read = [&](const std::string& scene) {
+    ReadOptions options;
+    options.scene = scene;
+    return ReadScene(path, options);
+  };
+  EXPECT_EQ(read("").scenes, (std::vector<std::string>{"#0", "other"}));
+  ExpectNear(read("").meshes.at(0).positions.at(1), {6, 0, 0});
+  EXPECT_EQ(read("0").meshes.size(), read("").meshes.size());
+  EXPECT_EQ(read("other").meshes.size(), 1u);
+  EXPECT_EQ(read("1").meshes.size(), 1u);
+  EXPECT_THROW(read("2"), OptionError);
+}
+
 TEST(GltfCameras, HaveTheNamesOfTheirNodesAndNoNameTwice) {
   GltfDocument document = TriangleDocument();
   document.json["nodes"][3]["name"] = "front";

@@ -310,6 +310,43 @@ TEST_F(Gltf, UnsupportedFeaturesAreNamed) {
   }
 }
 
+// What is said of many materials is one line, with the first names and the number of the others.
+TEST_F(Gltf, WarningsOfManyMaterialsAreOneLine) {
+  json document = Document();
+  json& primitives = document["meshes"][0]["primitives"];
+  document["extensionsRequired"] = {"KHR_materials_iridescence"};
+  for (int i = 0; i < 5; ++i) {
+    document["materials"].push_back(
+        {{"name", std::string("m") + char('0' + i)},
+         {"extensions", {{"KHR_materials_iridescence", json::object()}}}});
+    primitives.push_back(primitives[0]);
+    primitives.back()["material"] = i + 1;
+  }
+  const std::vector<std::string> warnings = Read(document).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("materials 'm0', 'm1', 'm2' and 2 more: the extension KHR_materials_"),
+            std::string::npos)
+      << warnings[0];
+  try {
+    ParseGltf(document.dump(), folder_.Path("a.gltf"), {.strict = true});
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("material 'm0': "), std::string::npos);
+  }
+}
+
+// Names of the reader's own are no files, and names of files are not the reader's.
+TEST_F(Gltf, ImagesMayHaveAnyName) {
+  json document = Document();
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  for (const char* const name : {"skywave-buffer-", "skywave-buffer-x", "skywave-buffer-99",
+                                 "skywave-buffer-99999999999999999999999"}) {
+    document["images"] = {{{"uri", name}}};
+    EXPECT_EQ(Read(document).warnings.size(), 1u) << name;
+  }
+}
+
 TEST_F(Gltf, InconsistentFilesAreRefused) {
   ASSERT_EQ(ErrorOf(Document()), "");
   const auto refused = [&](const char* pointer, const json& value) {
@@ -347,7 +384,7 @@ TEST_F(Gltf, InconsistentFilesAreRefused) {
   refused("/buffers/0/uri", "/etc/hostname");
   refused("/buffers/0/uri", "x/../../a.bin");
   refused("/buffers/0/uri", "data:application/octet-stream;base64,AAAA");
-  refused("/extensionsRequired", {"KHR_texture_basisu"});
+  refused("/extensionsRequired", {"EXT_geometry_of_tomorrow"});
   refused("/asset/version", "1.0");
   refused("/asset/minVersion", "2.1");
   refused("/nodes/1/scale", {std::numeric_limits<double>::max(), 1, 1});

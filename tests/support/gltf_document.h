@@ -105,7 +105,8 @@ inline GltfDocument TriangleDocument() {
 }
 
 // The same with the animations "slide", 1 s in which node 0 moves by -5 along x, and "turn", 2 s in
-// which node 1 turns about z by a right angle.
+// which node 1 turns about z by a right angle; the variant "worn", in which the triangle is of
+// steel; and the scene "other", which has node 1 alone.
 inline GltfDocument MovingTriangle() {
   GltfDocument document = TriangleDocument();
   const float half = 0.70710678f;
@@ -115,6 +116,11 @@ inline GltfDocument MovingTriangle() {
                    document.Add<float>({0, 0, 0, 1, 0, 0, half, half}, "VEC4"));
   document.json["animations"][0]["name"] = "slide";
   document.json["animations"][1]["name"] = "turn";
+  document.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "worn"}}};
+  nlohmann::json& primitive = document.json["meshes"][0]["primitives"][0];
+  primitive["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0}}}};
+  document.json["scenes"].push_back({{"name", "other"}, {"nodes", {1}}});
   return document;
 }
 
