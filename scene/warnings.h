@@ -37,7 +37,7 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
 
 // Notes that something in the file has no effect, although the picture matches the file's
 // description. Never refused.
-void AddNote(Warnings& warnings, const InputPosition& position, const std::string& text);
+void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw);
 
 // Returns "file:line: text", with " (N times)" appended if it occurred more than once.
 std::vector<std::string> WarningLines(const Warnings& warnings);

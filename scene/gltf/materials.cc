@@ -51,9 +51,11 @@ const KnownExtension kMaterialExtensions[] = {
 };
 
 void WarnOfWhatIsLeftOut(GltfTextures& context, const tinygltf::Material& from) {
-  for (const auto& [name, value] : from.extensions) {
-    const auto known = std::find_if(std::begin(kMaterialExtensions), std::end(kMaterialExtensions),
-                                    [&](const auto& extension) { return extension.name == name; });
+  for (const auto& entry : from.extensions) {
+    const auto& [name, value] = entry;
+    const auto known =
+        std::find_if(std::begin(kMaterialExtensions), std::end(kMaterialExtensions),
+                     [&](const auto& extension) { return extension.name == entry.first; });
     if (known == std::end(kMaterialExtensions)) {
       WarnOfMaterial(context, fmt::format("the extension {} is not supported: left out", name));
       continue;
