@@ -54,7 +54,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
   tbb::task_arena arena(ThreadsFor(flags.threads));
   Denoised clean = arena.execute([&] { return Denoise(flags.input, noisy.image, noisy.layers); });
   Picture picture = {.image = std::move(clean.image),
-                     .layers = std::move(clean.error),
+                     .layers = noisy.layers,
                      .metadata = MetadataOf(flags.input, flags.limits)};
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
   ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());
@@ -63,6 +63,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
     exposure.exposure = ExposureChoice{.automatic = true};
   }
   Expose(exposure, picture);
+  picture.layers = std::move(clean.error);
   WriteExrAndPng(flags.output, picture);
   if (!flags.quiet) {
     for (const std::string& note : picture.notes) {

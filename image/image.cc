@@ -49,6 +49,51 @@ Rgb ReinhardCurve(const Rgb& linear) {
   return {scale * linear[0], scale * linear[1], scale * linear[2]};
 }
 
+// T. Sobotka's AgX as Blender has it, with B. Wrensch's polynomial for its curve (2023): in the
+// primaries of Rec. 2020, a matrix that lets each channel see the others, a sigmoid of the stops
+// from -12.47 to 4.03, the matrix back, and the power 2.2 that makes it linear.
+Rgb AgxCurve(const Rgb& linear) {
+  constexpr double kToRec2020[3][3] = {
+      {0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0113}, {0.0164, 0.0880, 0.8956}};
+  constexpr double kFromRec2020[3][3] = {
+      {1.6605, -0.5876, -0.0728}, {-0.1246, 1.1329, -0.0083}, {-0.0182, -0.1006, 1.1187}};
+  constexpr double kInset[3][3] = {{0.856627153315983, 0.0951212405381588, 0.0482516061458583},
+                                   {0.137318972929847, 0.761241990602591, 0.101439036467562},
+                                   {0.11189821299995, 0.0767994186031903, 0.811302368396859}};
+  constexpr double kOutset[3][3] = {
+      {1.1271005818144368, -0.11060664309660323, -0.01649393871783457},
+      {-0.1413297634984383, 1.157823702216272, -0.01649393871783426},
+      {-0.14132976349843826, -0.11060664309660294, 1.25193640659504}};
+  constexpr double kLeastStops = -12.47393, kMostStops = 4.026069;
+  Rgb v = Times(kInset, Times(kToRec2020, linear));
+  for (double& x : v) {
+    const double stops = std::log2(std::max(x, 1e-10));
+    x = std::clamp((stops - kLeastStops) / (kMostStops - kLeastStops), 0.0, 1.0);
+    x = -0.00232 +
+        x * (0.1191 + x * (0.4298 + x * (-6.868 + x * (31.96 + x * (-40.14 + x * 15.5)))));
+  }
+  v = Times(kOutset, v);
+  for (double& x : v) x = std::pow(std::max(x, 0.0), 2.2);
+  return Times(kFromRec2020, v);
+}
+
+// Khronos PBR Neutral (2024): what is lit as bright as white paper keeps its colour; the reflection
+// of a Fresnel term of .04 is taken off, and above .76 the brightest channel runs towards 1 while
+// the others follow it to white.
+Rgb NeutralCurve(const Rgb& linear) {
+  constexpr double kFresnel = 0.04, kPaper = 0.8 - kFresnel, kDesaturation = 0.15;
+  const auto [least, most] = std::minmax({linear[0], linear[1], linear[2]});
+  const double offset = least < 2 * kFresnel ? least - least * least / (4 * kFresnel) : kFresnel;
+  const double peak = most - offset;
+  Rgb v = {linear[0] - offset, linear[1] - offset, linear[2] - offset};
+  if (peak < kPaper) return v;
+  const double room = 1 - kPaper;
+  const double shown = 1 - room * room / (peak + room - kPaper);
+  const double white = 1 - 1 / (kDesaturation * (peak - shown) + 1);
+  for (double& x : v) x = (1 - white) * x * shown / peak + white * shown;
+  return v;
+}
+
 Rgb OnCurve(ToneCurve curve, Rgb v) {
   switch (curve) {
     case ToneCurve::kClip:
@@ -59,6 +104,10 @@ Rgb OnCurve(ToneCurve curve, Rgb v) {
       return AcesCurve(v);
     case ToneCurve::kReinhard:
       return ReinhardCurve(v);
+    case ToneCurve::kAgx:
+      return AgxCurve(v);
+    case ToneCurve::kNeutral:
+      return NeutralCurve(v);
   }
   return v;
 }
@@ -130,19 +179,34 @@ std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping
   return mapped;
 }
 
-float AutomaticExposureStops(const Image& image) {
+namespace {
+
+// Returns the luminance below which a share of `luminances` lies; puts them in another order.
+double QuantileOf(std::vector<float>& luminances, double share) {
+  const auto at = luminances.begin() + std::ptrdiff_t(double(luminances.size()) * share);
+  std::nth_element(luminances.begin(), at, luminances.end());
+  return *at;
+}
+
+}  // namespace
+
+float AutomaticExposureStops(const Image& image, std::span<const float> coverage) {
   constexpr double kGrey = 0.18, kSteps = 16, kMost = 100;
-  std::vector<float> luminances;
-  luminances.reserve(image.rgb.size() / 3);
-  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-    const float luminance = Luminance(&image.rgb[i]);
-    if (luminance > 0 && std::isfinite(luminance)) luminances.push_back(luminance);
+  constexpr double kBright = 0.95, kLight = 0.9, kMostDarker = 2;
+  std::vector<float> all, covered;
+  all.reserve(image.rgb.size() / 3);
+  for (std::size_t pixel = 0; pixel < image.rgb.size() / 3; ++pixel) {
+    const float luminance = Luminance(&image.rgb[3 * pixel]);
+    if (!(luminance > 0) || !std::isfinite(luminance)) continue;
+    all.push_back(luminance);
+    if (!coverage.empty() && coverage[pixel] >= 0.5f) covered.push_back(luminance);
   }
-  if (luminances.empty()) return 0;
-  const auto median = luminances.begin() + std::ptrdiff_t(luminances.size() / 2);
-  std::nth_element(luminances.begin(), median, luminances.end());
-  const double stops = std::round(kSteps * std::log2(kGrey / *median)) / kSteps;
-  return float(std::clamp(stops, -kMost, kMost));
+  if (all.empty()) return 0;
+  const double metered = QuantileOf(covered.empty() ? all : covered, 0.5);
+  double stops = std::log2(kGrey / metered);
+  const double fits = std::log2(kLight / QuantileOf(all, kBright));
+  stops = std::clamp(fits, stops - kMostDarker, stops);
+  return float(std::clamp(std::round(kSteps * stops) / kSteps, -kMost, kMost));
 }
 
 }  // namespace skywave

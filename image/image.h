@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -137,16 +138,20 @@ void WriteImage(const std::string& path, const Image& image, const Metadata& met
 // The curve from scene-linear radiance to 8-bit sRGB.
 enum class ToneCurve {
   kClip,
-  kFilmic,   // a fit to ACES, channel by channel (Narkowicz 2015)
-  kAces,     // a fit to ACES with its matrices, which fades bright colours to white (Hill 2016)
-  kReinhard  // of luminance; 4 becomes white (Reinhard et al. 2002, Equation 4)
+  kFilmic,    // a fit to ACES, channel by channel (Narkowicz 2015)
+  kAces,      // a fit to ACES with its matrices, which fades bright colours to white (Hill 2016)
+  kReinhard,  // of luminance; 4 becomes white (Reinhard et al. 2002, Equation 4)
+  kAgx,       // of stops, in the primaries of Rec. 2020, as Blender has it (Wrensch 2023)
+  kNeutral    // keeps colours up to white paper (Khronos PBR Neutral 2024)
 };
 template <>
 inline constexpr auto kEnumNames<ToneCurve> =
     std::to_array<Named<ToneCurve>>({{ToneCurve::kClip, "clip"},
                                      {ToneCurve::kFilmic, "filmic"},
                                      {ToneCurve::kAces, "aces"},
-                                     {ToneCurve::kReinhard, "reinhard"}});
+                                     {ToneCurve::kReinhard, "reinhard"},
+                                     {ToneCurve::kAgx, "agx"},
+                                     {ToneCurve::kNeutral, "neutral"}});
 struct ToneMapping {
   float exposure_stops = 0;  // radiance is multiplied by 2^exposure_stops
   ToneCurve curve = ToneCurve::kClip;
@@ -165,10 +170,12 @@ float ExposureValue100(const PhotographicExposure& camera);
 // and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", Section 5.1).
 float ExposureStops(const PhotographicExposure& camera);
 // Returns the stops by which a picture of unknown scale is shown: the median luminance of the
-// pixels that are not black becomes 0.18, the grey that light meters are made for. Pixels with NaN
-// or infinity do not count, and a black picture has 0. The result is a multiple of 1/16 in
-// [-100, 100], so it can be written down and given again.
-float AutomaticExposureStops(const Image& image);
+// pixels of which objects cover half (`coverage`, a share for each pixel) becomes 0.18, the grey
+// that light meters are made for; of all pixels if none is covered or nothing is known. Where that
+// lifts more than a twentieth of the picture above 0.9, it is darker, by two stops at most. Pixels
+// that are black, NaN or infinite do not count, and a black picture has 0. The result is a multiple
+// of 1/16 in [-100, 100], so it can be written down and given again.
+float AutomaticExposureStops(const Image& image, std::span<const float> coverage = {});
 // Returns width * height * 3 bytes, rows from the top, rounded to nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
 // Encode or write an 8-bit RGB PNG. Identical input gives identical bytes.

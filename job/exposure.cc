@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -77,10 +78,26 @@ ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job) 
   return request;
 }
 
-ToneMapping Tone(const ExposureRequest& resolved, const Image& image) {
+bool IsAutomatic(const ExposureRequest& resolved) {
+  return resolved.exposure && resolved.exposure->automatic;
+}
+
+AovSet MeteredLayers() {
+  static const AovSet layers = ParseAovs("coverage").value();
+  return layers;
+}
+
+ToneMapping Tone(const ExposureRequest& resolved, const Image& image,
+                 std::span<const NamedChannel> layers) {
   const ExposureChoice choice = resolved.exposure.value_or(ExposureChoice());
   ToneMapping tone = {.exposure_stops = choice.stops, .curve = resolved.curve};
-  if (choice.automatic) tone.exposure_stops = AutomaticExposureStops(image);
+  if (choice.automatic) {
+    const auto coverage =
+        std::find_if(layers.begin(), layers.end(),
+                     [](const NamedChannel& channel) { return channel.name == "coverage.V"; });
+    tone.exposure_stops = AutomaticExposureStops(
+        image, coverage != layers.end() ? coverage->values : std::span<const float>());
+  }
   if (resolved.photo.shutter_seconds > 0) tone.exposure_stops += ExposureStops(resolved.photo);
   return tone;
 }

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "image/image.h"
 #include "job/request.h"
+#include "wavefront/film/aovs.h"
 #include "wavefront/option.h"
 
 namespace skywave {
@@ -30,7 +32,15 @@ std::vector<OptionOf<ExposureRequest>> ExposureOptions();
 // camera whose exposure is to be automatic.
 ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job);
 
-// Returns the exposure and curve of the PNG of `image`, with the exposure of the camera added.
-ToneMapping Tone(const ExposureRequest& resolved, const Image& image);
+// Returns whether the picture itself decides.
+bool IsAutomatic(const ExposureRequest& resolved);
+
+// Returns the layers by which an automatic exposure tells objects from what is behind them.
+AovSet MeteredLayers();
+
+// Returns the exposure and curve of the PNG of `image`, with the exposure of the camera added. If
+// the coverage is not among `layers`, all of the picture is metered.
+ToneMapping Tone(const ExposureRequest& resolved, const Image& image,
+                 std::span<const NamedChannel> layers = {});
 
 }  // namespace skywave

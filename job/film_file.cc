@@ -205,7 +205,8 @@ void CheckWithin(const FilmFile& file, AovSet kept) {
       throw std::runtime_error("a part has samples that the picture does not have");
     }
   }
-  if ((file.layers & ~kept) != 0) throw std::runtime_error("a layer is to be shown but not kept");
+  if ((LayersToResolve(file.layers, file.identity) & ~kept) != 0)
+    throw std::runtime_error("a layer is to be shown but not kept");
 }
 
 FilmLayout LayoutFrom(const Json& sums, const CropWindow& window) {

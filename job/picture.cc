@@ -69,20 +69,16 @@ bool IsOfLayers(std::string_view channel, AovSet layers) {
   return false;
 }
 
-// Replaces the picture by a clean one, by the layers that the denoiser reads; then it has `layers`,
-// and those that denoising adds.
-void Clean(const std::string& scene, AovSet layers, Picture& picture) {
-  std::optional<Denoised> clean;
-  if (CanDenoise(picture.image, picture.layers)) {
-    clean = Denoise(scene, picture.image, picture.layers);
-  } else {
+// Replaces the picture by a clean one, by the layers that the denoiser reads, and adds those that
+// denoising adds.
+void Clean(const std::string& scene, Picture& picture) {
+  if (!CanDenoise(picture.image, picture.layers)) {
     picture.notes.push_back(
         fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
                     kFewestDenoiserSamples));
+    return;
   }
-  std::erase_if(picture.layers,
-                [&](const NamedChannel& channel) { return !IsOfLayers(channel.name, layers); });
-  if (!clean) return;
+  Denoised clean = Denoise(scene, picture.image, picture.layers);
   for (const std::size_t c : {0, 1, 2}) {
     NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
     noisy.values.reserve(picture.image.rgb.size() / 3);
@@ -91,9 +87,9 @@ void Clean(const std::string& scene, AovSet layers, Picture& picture) {
     }
     picture.layers.push_back(std::move(noisy));
   }
-  for (NamedChannel& channel : clean->error) picture.layers.push_back(std::move(channel));
-  if (const std::string note = OutlierNote(*clean); !note.empty()) picture.notes.push_back(note);
-  picture.image = std::move(clean->image);
+  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
+  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  picture.image = std::move(clean.image);
 }
 
 }  // namespace
@@ -198,7 +194,8 @@ bool IsDenoised(const PictureIdentity& identity) {
 }
 
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity) {
-  return layers | (IsDenoised(identity) ? DenoiserLayers() : 0);
+  return layers | (IsDenoised(identity) ? DenoiserLayers() : 0) |
+         (IsAutomatic(ExposureOf(identity)) ? MeteredLayers() : 0);
 }
 
 PictureRows::PictureRows(AovSet layers, const PictureIdentity& identity)
@@ -243,16 +240,19 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
   if (IsDenoised(identity)) {
-    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, layers, picture); });
+    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, picture); });
   }
   Expose(ExposureOf(identity), picture);
+  std::erase_if(picture.layers, [&](const NamedChannel& channel) {
+    return !IsOfLayers(channel.name, layers) && !IsOfDenoiser(channel.name);
+  });
   return picture;
 }
 
 void Expose(const ExposureRequest& exposure, Picture& picture) {
-  picture.tone = Tone(exposure, picture.image);
+  picture.tone = Tone(exposure, picture.image, picture.layers);
   std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
-  if (!exposure.exposure || !exposure.exposure->automatic) return;
+  if (!IsAutomatic(exposure)) return;
   const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
   picture.metadata.emplace_back(kPngExposure, stops);
   picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));

@@ -59,7 +59,8 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 // Returns whether the picture is denoised.
 bool IsDenoised(const PictureIdentity& identity);
 
-// Returns the layers that are resolved where `layers` are shown: those, and those of the denoiser.
+// Returns the layers that are resolved where `layers` are shown: those, and what the denoiser and
+// an automatic exposure read.
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity);
 
 // Returns whether a channel is one that denoising adds to a picture: "noisy" and "error".

@@ -269,9 +269,10 @@ FrameResult Render(Session& session) {
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request) {
   const AovSet more = LayersForLimits(request.limits, job.options().integrator);
-  const FilmLayout layout = job.LayoutOfFilm(job.options().integrator, more);
+  const AovSet resolved = LayersToResolve(job.options().aovs, identity);
+  const FilmLayout layout = job.LayoutOfFilm(job.options().integrator, more | resolved);
   const bool forgets = MayForget(request, layout);
-  CheckMemory(identity.scene, layout, forgets, LayersToResolve(job.options().aovs, identity));
+  CheckMemory(identity.scene, layout, forgets, resolved);
   Session session = {.job = job,
                      .identity = identity,
                      .request = request,

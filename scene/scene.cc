@@ -82,7 +82,10 @@ Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::ve
 
 Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float aspect) {
   constexpr float kFovDegrees = 40, kElevationDegrees = 15, kMargin = 1.05f;
-  const glm::mat3 frame = EnvironmentFrame(up_axis, left_handed, 0);
+  // The eye is to the right of the front: the view is turned to the left, counter-clockwise.
+  constexpr float kTurnDegrees = 35;
+  const glm::mat3 frame = EnvironmentTurn(up_axis, left_handed, kTurnDegrees) *
+                          EnvironmentFrame(up_axis, left_handed, 0);
   const float elevation = glm::radians(kElevationDegrees);
   const glm::vec3 forward = std::cos(elevation) * frame[1] - std::sin(elevation) * frame[2];
   const glm::vec3 right = frame[0];

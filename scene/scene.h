@@ -200,8 +200,9 @@ Bounds SceneBounds(const Scene& scene, const std::string& path);
 Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
                     float fov_degrees, bool left_handed);
 
-// Returns a camera that sees all of `bounds` from slightly above, with `up_axis` up, on a film of
-// that `aspect` (width / height).
+// Returns a camera that sees all of `bounds` in a three-quarter view, from the right of the front
+// and a little above, with `up_axis` up, on a film of that `aspect` (width / height). A model
+// that is flat along an axis of the world is not seen edge-on.
 Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float aspect = 1);
 
 // Returns a camera of another kind at the same place. A perspective camera that becomes

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -70,6 +71,29 @@ TEST_F(Outputs, PngsHaveTheirToneCurve) {
     EXPECT_TRUE(pngs.insert(Bytes(tone + ".png")).second) << tone;
   }
   EXPECT_GE(pngs.size(), 4u);
+}
+
+// The ball is metered, and not the sky behind it; the layer that tells them apart is not written
+// unless it is asked for.
+TEST_F(Outputs, AutomaticExposureMetersWhatObjectsCover) {
+  Put("ball.pbrt",
+      "WorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+      "Material \"diffuse\" \"rgb reflectance\" [.1 .1 .1] Shape \"sphere\"");
+  const std::string render = "render ball.pbrt --size 24x16 --spp 16 -q --exposure auto ";
+  ASSERT_EQ(Run(render + "-o plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(render + "--aovs coverage -o layers.exr").exit_code, 0);
+  EXPECT_TRUE(ReadLayerNames(Path("plain.exr")).empty());
+  const LayeredImage picture = ReadLayeredImage(Path("layers.exr"), {"coverage.V"});
+  const std::vector<float>& coverage = picture.layers[0].values;
+  EXPECT_GT(std::count(coverage.begin(), coverage.end(), 1.0f), 20);
+  EXPECT_GT(std::count(coverage.begin(), coverage.end(), 0.0f), 20);
+  const float stops = AutomaticExposureStops(picture.image, coverage);
+  EXPECT_NE(stops, AutomaticExposureStops(picture.image));
+  for (const std::string name : {"plain", "layers"}) {
+    EXPECT_EQ(Bytes(name + ".png"),
+              EncodePng(24, 16, ToneMap(picture.image, {.exposure_stops = stops})))
+        << name;
+  }
 }
 
 TEST_F(Outputs, LinksAndPipesSurviveBeingWrittenTo) {

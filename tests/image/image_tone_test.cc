@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -30,6 +31,13 @@ std::vector<int> MapGrey(const std::vector<float>& values, const ToneMapping& ma
     grey.push_back(rgb[i]);
   }
   return grey;
+}
+
+Image SixColors() {
+  Image colors(3, 2);
+  colors.rgb = {.1f, .5f, .9f, .8f, .3f, .05f, .05f, .6f, .2f,
+                .4f, .1f, .7f, 3,   .2f, .1f,  .6f,  .2f, .3f};
+  return colors;
 }
 
 TEST(RepairRadiance, CountsPixelsByTheirWorstChannel) {
@@ -124,13 +132,61 @@ TEST(ToneMap, ReinhardKeepsHueAndEndsAtWhite) {
 
 TEST(AutomaticExposure, MedianOfLitPixelsBecomesGrey) {
   EXPECT_EQ(AutomaticExposureStops(Grey({0.18f})), 0);
-  EXPECT_EQ(AutomaticExposureStops(Grey({0.09f, 0.09f, 1000})), 1);
+  std::vector<float> dark(40, 0.09f);
+  dark.push_back(1000);
+  EXPECT_EQ(AutomaticExposureStops(Grey(dark)), 1);
   EXPECT_EQ(AutomaticExposureStops(Grey({0, 0, 0, 0, 0.72f})), -2);
   EXPECT_EQ(AutomaticExposureStops(Grey({0.18f, kNan, kInf, -5, 0.18f})), 0);
   EXPECT_EQ(AutomaticExposureStops(Grey({0, kNan})), 0);
   EXPECT_EQ(AutomaticExposureStops(Grey({1e-38f})), 100);
   // Sixteenths of a stop: log2(0.18 / 0.17) is 0.0825.
   EXPECT_EQ(AutomaticExposureStops(Grey({0.17f})), 0.0625f);
+}
+
+TEST(AutomaticExposure, ObjectsAreMeteredAndNotWhatIsBehindThem) {
+  const Image image = Grey({0.045f, 0.045f, 0.045f, 0.18f, 0.18f, 0.18f, 0.18f});
+  EXPECT_EQ(AutomaticExposureStops(image), 0);
+  EXPECT_EQ(AutomaticExposureStops(image, std::vector<float>{1, 0.5f, 1, 0.49f, 0, 0, 0}), 2);
+  EXPECT_EQ(AutomaticExposureStops(image, std::vector<float>(7)), 0);
+  // What an object of no light covers says nothing.
+  EXPECT_EQ(AutomaticExposureStops(Grey({0, 0.36f}), std::vector<float>{1, 0}), -1);
+}
+
+TEST(AutomaticExposure, KeepsTheBrightestTwentiethInRangeByTwoStopsAtMost) {
+  // Of 100 pixels, 10 are brighter than the others: the picture is as dark as makes them .9.
+  std::vector<float> values(100, 0.18f);
+  std::fill(values.end() - 10, values.end(), 1.8f);
+  EXPECT_EQ(AutomaticExposureStops(Grey(values)), -1);
+  std::fill(values.end() - 10, values.end(), 1e4f);
+  EXPECT_EQ(AutomaticExposureStops(Grey(values)), -2);
+  // Four of a hundred are let go.
+  std::fill(values.begin(), values.end() - 4, 0.18f);
+  EXPECT_EQ(AutomaticExposureStops(Grey(values)), 0);
+  // A backdrop counts there, too: objects are not made grey at any price.
+  std::fill(values.begin(), values.end(), 0.9f);
+  values[0] = 0.09f;
+  std::vector<float> coverage(100);
+  coverage[0] = 1;
+  EXPECT_EQ(AutomaticExposureStops(Grey(values), coverage), 0);
+}
+
+// The values are those of the published constants, worked out apart from the program.
+TEST(ToneMap, AgxFollowsWrenschInThePrimariesOfRec2020) {
+  const ToneMapping agx = {.curve = ToneCurve::kAgx};
+  EXPECT_EQ(MapGrey({0, 0.04f, 0.18f, 0.8f, 1, 4, 1e6f, kInf, kNan, -1}, agx),
+            (std::vector<int>{0, 61, 128, 194, 202, 239, 255, 255, 0, 0}));
+  EXPECT_EQ(ToneMap(SixColors(), agx),
+            (std::vector<std::uint8_t>{129, 178, 202, 199, 152, 103, 118, 181, 137, 165, 126, 193,
+                                       252, 168, 147, 185, 139, 152}));
+}
+
+TEST(ToneMap, NeutralFollowsKhronos) {
+  const ToneMapping neutral = {.curve = ToneCurve::kNeutral};
+  EXPECT_EQ(MapGrey({0, 0.04f, 0.18f, 0.8f, 1, 4, 1e6f, kInf, kNan, -1}, neutral),
+            (std::vector<int>{0, 25, 105, 226, 240, 253, 255, 255, 0, 0}));
+  EXPECT_EQ(ToneMap(SixColors(), neutral),
+            (std::vector<std::uint8_t>{70, 178, 235, 227, 141, 34, 34, 198, 113, 162, 69, 212, 252,
+                                       141, 134, 197, 111, 139}));
 }
 
 TEST(ToneMap, KeepsChannelsApart) {

@@ -229,6 +229,21 @@ TEST(Camera, FramesBounds) {
   }
 }
 
+// Three sides of a box are seen, and a sheet across any axis is not a line.
+TEST(Camera, FramesBoundsFromTheFrontTheRightAndAbove) {
+  for (const char up : {'x', 'y', 'z'}) {
+    for (const bool left_handed : {false, true}) {
+      const Camera camera = FrameBounds({{-1, -1, -1}, {1, 1, 1}}, up, left_handed);
+      const glm::mat3 axes = EnvironmentFrame(up, left_handed, 0);  // right, forward, up
+      const glm::vec3 eye = glm::transpose(axes) * glm::vec3(camera.world_from_camera[3]);
+      EXPECT_GT(eye.x, 1.5f);
+      EXPECT_LT(eye.y, -1.5f);
+      EXPECT_GT(eye.z, 0.5f);
+      EXPECT_GT(-eye.y, eye.x);  // more of the front than of the side
+    }
+  }
+}
+
 TEST(EnvironmentFrame, IsNeverMirroredAndTurnsCounterClockwise) {
   for (const char up : {'x', 'y', 'z'}) {
     for (const bool left_handed : {false, true}) {
