@@ -144,7 +144,7 @@ TEST(AutomaticExposure, MedianOfLitPixelsBecomesGrey) {
 }
 
 TEST(AutomaticExposure, ObjectsAreMeteredAndNotWhatIsBehindThem) {
-  const Image image = Grey({0.045f, 0.045f, 0.045f, 0.18f, 0.18f, 0.18f, 0.18f});
+  const Image image = Grey({0.01f, 0.045f, 0.18f, 0.18f, 0.18f, 0.18f, 0.18f});
   EXPECT_EQ(AutomaticExposureStops(image), 0);
   EXPECT_EQ(AutomaticExposureStops(image, std::vector<float>{1, 0.5f, 1, 0.49f, 0, 0, 0}), 2);
   EXPECT_EQ(AutomaticExposureStops(image, std::vector<float>(7)), 0);
