@@ -18,6 +18,7 @@
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
+#include "scene/warnings.h"
 
 namespace skywave {
 namespace {
@@ -29,12 +30,16 @@ std::string LowerCaseEnding(std::filesystem::path path) {
   return ending;
 }
 
-Scene ReadPlyScene(const std::string& path, const ReadOptions&) {
-  Mesh mesh = ReadPly(path);
+Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
+  PlyReport report;
+  Mesh mesh = ReadPly(path, &report);
+  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  WarnOfNormals(warnings, InputPosition::File(path), report.bad_normals);
   mesh.name = path;
   Scene scene;
   scene.materials.push_back({.name = "default"});
   scene.meshes.push_back(std::move(mesh));
+  scene.warnings = WarningLines(warnings);
   return scene;
 }
 

@@ -403,7 +403,14 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
   const std::string type = ExpectString(source, "the type of LightSource");
   PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "light",
                                                           fmt::format("LightSource \"{}\"", type));
-  if (type == "infinite" || type == "exinfinite") {
+  const bool infinite = type == "infinite" || type == "exinfinite";
+  // All that an infinite light takes of a transform is where directions go.
+  const auto& flaw = reader.state.flaw;
+  if (!(infinite && flaw && flaw->what == "projective") &&
+      !CanPlace(reader, position, parameters.directive)) {
+    return;
+  }
+  if (infinite) {
     InfiniteLight(reader, parameters);
   } else if (type == "point") {
     PointLight(reader, parameters);

@@ -118,6 +118,11 @@ void ReadSphericalCamera(PbrtReader& reader, PbrtParameters& parameters, bool v4
 
 void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   auto [type, parameters] = ReadImplementation(reader, source, word);
+  if (const auto& flaw = reader.state.flaw) {
+    throw InputError(parameters.position,
+                     fmt::format("a camera under a transform that is {} since the {} of {}",
+                                 flaw->what, flaw->directive, ToString(flaw->position)));
+  }
   Camera camera;
   camera.world_from_camera = glm::inverse(reader.state.to_world);
   reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);

@@ -17,12 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<PbrtSource> MakeSource(const PbrtReader& reader, std::string path,
-                                       std::string text) {
+std::unique_ptr<PbrtSource> MakeSource(PbrtReader& reader, std::string path, std::string text) {
   auto source = std::make_unique<PbrtSource>();
   source->main_path = reader.sources.empty() ? path : reader.sources.front()->path;
   source->path = std::move(path);
   source->text = std::move(text);
+  if (reader.v3) source->lenient = &reader.warnings;
   return source;
 }
 
@@ -184,7 +184,8 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
   ReadDirectives(reader);
   if (!reader.scopes.empty()) {
     const PbrtScope& open = reader.scopes.back();
-    throw InputError(open.position, open.begin + " is never closed");
+    if (!reader.v3) throw InputError(open.position, open.begin + " is never closed");
+    AddWarning(reader.warnings, open.position, open.begin + " is never closed");
   }
   SetPbrtDefaults(reader.v3, reader.scene.settings);
   const float gain = reader.film_gain * reader.exposure_time;

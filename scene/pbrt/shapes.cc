@@ -117,17 +117,23 @@ Mesh TriangleMesh(PbrtParameters& parameters, bool corner_uvs) {
 }
 
 Mesh PlyMesh(PbrtParameters& parameters,
-             const std::function<std::string(const std::string&)>& resolve, std::size_t& faces) {
+             const std::function<std::string(const std::string&)>& resolve, std::size_t& faces,
+             Warnings& warnings) {
   const auto filename = FindString(parameters, "filename");
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
+  PlyReport report;
+  Mesh mesh;
   try {
-    return ReadPly(resolve(*filename), &faces);
+    mesh = ReadPly(resolve(*filename), &report);
   } catch (const InputError& error) {
     // The message holds both positions: that in the mesh and that in the scene that names it.
     throw InputError(parameters.position, error.what(), error.exit_code());
   }
+  faces = report.polygons;
+  WarnOfNormals(warnings, parameters.position, report.bad_normals);
+  return mesh;
 }
 
 Mesh LoopSubdivisionSurface(PbrtParameters& parameters, std::size_t limit, Warnings& warnings) {
@@ -362,7 +368,7 @@ std::optional<PbrtShape> MakePbrtShape(
     mesh = TriangleMesh(parameters, options.corner_uvs);
     shape.faces = mesh.triangles.size();
   } else if (type == "plymesh") {
-    mesh = PlyMesh(parameters, resolve, shape.faces);
+    mesh = PlyMesh(parameters, resolve, shape.faces, warnings);
     if (options.corner_uvs && mesh.uvs.empty()) GiveCornersUvs(mesh);
   } else if (type == "loopsubdiv") {
     mesh = LoopSubdivisionSurface(parameters, limit, warnings);

@@ -35,9 +35,9 @@ PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   return texture;
 }
 
-// The space of a texture is the one in which it is defined.
+// The space of a texture is the one in which it is defined, or the world if there is none.
 glm::dmat4 TextureFromWorld(const PbrtReader& reader) {
-  return glm::inverse(reader.state.to_world);
+  return reader.state.flaw ? glm::dmat4(1) : glm::inverse(reader.state.to_world);
 }
 
 glm::dvec3 FindVector(PbrtParameters& parameters, std::string_view name,

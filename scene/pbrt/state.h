@@ -51,9 +51,17 @@ struct PbrtSphereImage {
   double mean;          // of all channels
 };
 
+// Why nothing can be placed by a transform, and the directive that made it so.
+struct PbrtTransformFlaw {
+  std::string what;        // "singular" or "projective"
+  std::string directive;   // its first word
+  InputPosition position;  // its place
+};
+
 // The state that AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
   glm::dmat4 to_world{1.0};               // the current transformation matrix
+  std::optional<PbrtTransformFlaw> flaw;  // of that matrix
   std::optional<std::uint32_t> material;  // nothing: shapes are invisible
   bool reverse_orientation = false;
   std::optional<PbrtAreaLight> area_light;
@@ -148,8 +156,13 @@ PbrtTexture PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameter
                              const std::vector<PbrtTexture>& roughness,
                              const std::function<float(float)>& alpha_of, const PackAlphas& pack);
 
-// Open a scope at `word`, and close the innermost one, which `begin` must have opened; the latter
-// returns the state saved there (world.cc).
+// Returns whether things can be placed by the current transform; otherwise warns that `what` at
+// `position` is left out, and why (transforms.cc).
+bool CanPlace(PbrtReader& reader, const InputPosition& position, std::string_view what);
+
+// Open a scope at `word`, and close the innermost one, which `begin` must have opened, and return
+// the state saved there (world.cc). Version 3 has one stack for attributes and objects: either ends
+// what the other began, with a warning, and where none is open the directive has no effect.
 void OpenPbrtScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word);
 PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
                                  const PbrtToken& word, std::string_view begin);

@@ -100,6 +100,10 @@ std::string ExpectString(PbrtSource& source, std::string_view what) {
 double ParseNumber(const PbrtSource& source, const PbrtToken& token) {
   std::string_view text = token.text;
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  if (source.lenient != nullptr && text.size() > 1 && text.back() == ',') {
+    AddWarning(*source.lenient, PositionOf(source, token), "a comma after a number: not read");
+    text.remove_suffix(1);
+  }
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (token.kind != PbrtTokenKind::kWord || end != text.data() + text.size() ||

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "scene/warnings.h"
 
 namespace skywave {
 
@@ -24,6 +25,8 @@ struct PbrtSource {
   std::size_t next = 0;   // first byte not yet read
   std::size_t line = 1;   // the line of that byte
   bool imported = false;  // by Import, which keeps the state of the file that it stands in
+  // Of version 3, to which "0," is a number; where there is none, it is an error.
+  Warnings* lenient = nullptr;
 };
 
 // Returns the next token, skipping white space and # comments; returns kEnd at the end, however
@@ -44,8 +47,8 @@ std::string FindPbrtFile(const PbrtSource& source, const std::string& name);
 // Returns the string that a string token stands for. Throws InputError on an unknown escape.
 std::string Unescape(const PbrtSource& source, const PbrtToken& token);
 
-// Returns a word as a number. Throws InputError unless the whole word is a number that is finite as
-// a float; underflow gives zero.
+// Returns a word as a number. Throws InputError unless the whole word, in version 3 but for a comma
+// at its end, is a number that is finite as a float; underflow gives zero.
 double ParseNumber(const PbrtSource& source, const PbrtToken& token);
 
 // Reads `count` numbers, with or without brackets around them.

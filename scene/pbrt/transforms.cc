@@ -12,21 +12,42 @@
 namespace skywave {
 namespace {
 
-// All later uses need the inverse, so a singular matrix is refused as soon as it appears.
-void SetTransform(PbrtReader& reader, const InputPosition& position, std::string_view directive,
-                  const glm::dmat4& matrix) {
-  const double determinant = glm::determinant(matrix);
+// Returns why nothing can be placed by a matrix whose numbers are finite, or nothing.
+std::string_view FlawOf(const glm::dmat4& matrix) {
   const glm::dmat4 inverse = glm::inverse(matrix);
-  bool usable = std::isnormal(determinant);
+  bool has_inverse = std::isnormal(glm::determinant(matrix));
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
-      usable = usable && std::isfinite(matrix[column][row]) && std::isfinite(inverse[column][row]);
+      has_inverse = has_inverse && std::isfinite(inverse[column][row]);
     }
   }
-  if (!usable) {
+  if (!has_inverse) return "singular";
+  const bool affine = matrix[0].w == 0 && matrix[1].w == 0 && matrix[2].w == 0 && matrix[3].w == 1;
+  return affine ? "" : "projective";
+}
+
+bool IsFinite(const glm::dmat4& matrix) {
+  bool finite = true;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) finite = finite && std::isfinite(matrix[column][row]);
+  }
+  return finite;
+}
+
+// A matrix by which nothing can be placed does no harm where nothing is placed.
+void SetTransform(PbrtReader& reader, const InputPosition& position, std::string_view directive,
+                  const glm::dmat4& matrix) {
+  if (!IsFinite(matrix)) {
     throw InputError(position, fmt::format("{} makes the transform singular", directive));
   }
-  if (reader.state.transform_active) reader.state.to_world = matrix;
+  if (!reader.state.transform_active) return;
+  reader.state.to_world = matrix;
+  const std::string_view flaw = FlawOf(matrix);
+  if (flaw.empty()) {
+    reader.state.flaw.reset();
+  } else if (!reader.state.flaw) {
+    reader.state.flaw = {std::string(flaw), std::string(directive), position};
+  }
 }
 
 void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
@@ -34,8 +55,8 @@ void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& 
   SetTransform(reader, PositionOf(source, word), word.text, reader.state.to_world * matrix);
 }
 
-void Identity(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
-  if (reader.state.transform_active) reader.state.to_world = glm::dmat4(1);
+void Identity(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  SetTransform(reader, PositionOf(source, word), word.text, glm::dmat4(1));
 }
 
 void Translate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -79,13 +100,7 @@ glm::dmat4 ReadMatrix(PbrtSource& source, const PbrtToken& word) {
   std::array<double, 16> n{};
   ExpectNumbers(source, word.text, 16, n.data());
   const glm::dmat4 matrix = glm::make_mat4(n.data());
-  if (matrix[0].w != 0 || matrix[1].w != 0 || matrix[2].w != 0 || matrix[3].w == 0) {
-    throw InputError(PositionOf(source, word),
-                     fmt::format("{}: projective matrices are not supported: numbers 4, 8, 12 and "
-                                 "16 have to be 0 0 0 1",
-                                 word.text));
-  }
-  return matrix / matrix[3].w;
+  return matrix[3].w != 0 ? matrix / matrix[3].w : matrix;
 }
 
 void Transform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -108,7 +123,7 @@ void CoordSysTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
     throw InputError(PositionOf(source, word),
                      fmt::format("there is no coordinate system \"{}\"", name));
   }
-  reader.state.to_world = found->second;
+  SetTransform(reader, PositionOf(source, word), word.text, found->second);
 }
 
 void ReverseOrientation(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
@@ -151,6 +166,15 @@ constexpr PbrtDirective kTransformDirectives[] = {
 };
 
 }  // namespace
+
+bool CanPlace(PbrtReader& reader, const InputPosition& position, std::string_view what) {
+  const auto& flaw = reader.state.flaw;
+  if (!flaw) return true;
+  AddWarning(reader.warnings, position,
+             fmt::format("{} under a transform that is {} since the {} of {}: left out", what,
+                         flaw->what, flaw->directive, ToString(flaw->position)));
+  return false;
+}
 
 PbrtHandler FindPbrtTransformDirective(std::string_view word) {
   return FindPbrtDirective(kTransformDirectives, word);

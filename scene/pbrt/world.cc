@@ -27,6 +27,7 @@ void WorldBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   }
   reader.in_world = true;
   reader.state.to_world = glm::dmat4(1);
+  reader.state.flaw.reset();
   reader.state.transform_active = true;
   reader.coordinate_systems["world"] = glm::dmat4(1);
 }
@@ -52,6 +53,7 @@ void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word)
     return;
   }
   reader.state.to_world = saved.to_world;
+  reader.state.flaw = saved.flaw;
   reader.state.transform_active = saved.transform_active;
 }
 
@@ -71,6 +73,10 @@ void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
 }
 
 void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  if (reader.v3 && !reader.in_object) {
+    AddWarning(reader.warnings, PositionOf(source, word), "ObjectEnd without ObjectBegin: ignored");
+    return;
+  }
   reader.state = ClosePbrtScope(reader, source, word, "ObjectBegin");
   reader.in_object = false;
 }
@@ -98,6 +104,7 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
     throw InputError(position, fmt::format("there is no object \"{}\"", name));
   }
   if (reader.in_object) throw InputError(position, "ObjectInstance inside an object");
+  if (!CanPlace(reader, position, "an ObjectInstance")) return;
   const std::size_t most = reader.options.max_instances;
   if (reader.scene.instances.size() == most) {
     throw InputError(position, fmt::format("the scene has more than {} instances", most));
@@ -160,6 +167,7 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
                "a shape that only bounds a medium is not supported: left out");
     return;
   }
+  if (!CanPlace(reader, position, parameters.directive)) return;
   TransformMesh(reader.state.to_world, mesh);
   CheckMesh(reader, position, mesh);
   if (reader.state.reverse_orientation != TurnsPbrtShape(type, reader.state)) {
@@ -274,13 +282,15 @@ void MediumInterface(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
              "MediumInterface is not supported: ignored");
 }
 
-// Returns whether two directives open the same kind of scope. To pbrt-v4, TransformBegin and
-// TransformEnd are other words for AttributeBegin and AttributeEnd.
+// Returns whether the end of a scope that `one` began may close one that `other` began. To pbrt-v4,
+// TransformBegin and TransformEnd are other words for AttributeBegin and AttributeEnd; version 3
+// keeps attributes and objects on one stack.
 bool OpenTheSame(const PbrtReader& reader, std::string_view one, std::string_view other) {
-  const auto attributes = [](std::string_view word) {
-    return word == "AttributeBegin" || word == "TransformBegin";
+  const std::string_view alias = reader.v3 ? "ObjectBegin" : "TransformBegin";
+  const auto attributes = [&](std::string_view word) {
+    return word == "AttributeBegin" || word == alias;
   };
-  return one == other || (!reader.v3 && attributes(one) && attributes(other));
+  return one == other || (attributes(one) && attributes(other));
 }
 
 constexpr PbrtDirective kWorldDirectives[] = {
@@ -319,13 +329,21 @@ void OpenPbrtScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken
 PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
                                  const PbrtToken& word, std::string_view begin) {
   if (reader.scopes.empty()) {
-    throw InputError(PositionOf(source, word), fmt::format("{} without {}", word.text, begin));
+    const std::string what = fmt::format("{} without {}", word.text, begin);
+    if (!reader.v3) throw InputError(PositionOf(source, word), what);
+    AddWarning(reader.warnings, PositionOf(source, word), what + ": ignored");
+    return reader.state;
   }
   const PbrtScope scope = std::move(reader.scopes.back());
   if (!OpenTheSame(reader, scope.begin, begin)) {
     throw InputError(PositionOf(source, word),
                      fmt::format("{} cannot close the {} of {}", word.text, scope.begin,
                                  ToString(scope.position)));
+  }
+  if (reader.v3 && scope.begin != begin) {
+    AddWarning(
+        reader.warnings, PositionOf(source, word),
+        fmt::format("{} closes the {} of {}", word.text, scope.begin, ToString(scope.position)));
   }
   reader.scopes.pop_back();
   return scope.saved;

@@ -123,6 +123,8 @@ void SkipElements(Data& data, const PlyElement& element) {
 // A vertex property is stored in a slot: 0-2 position, 3-5 normal, 6-7 uv.
 constexpr int kSlots = 8, kNoSlot = -1;
 
+bool IsOfNormal(int slot) { return slot >= 3 && slot <= 5; }
+
 int SlotOf(const PlyProperty& property) {
   constexpr std::string_view kNames[][kSlots] = {
       {"x", "y", "z", "nx", "ny", "nz", "u", "v"},
@@ -138,7 +140,7 @@ int SlotOf(const PlyProperty& property) {
   return kNoSlot;
 }
 
-void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh) {
+void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& report) {
   std::vector<int> slots;
   std::array<int, kSlots> uses{};
   for (const PlyProperty& property : element.properties) {
@@ -156,19 +158,26 @@ void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh) {
 
   std::array<float, kSlots> values{};
   for (std::uint64_t i = 0; i < element.count; ++i) {
+    bool has_normal = true;
     for (std::size_t p = 0; p < slots.size(); ++p) {
       if (slots[p] == kNoSlot) {
         SkipProperty(data, element.properties[p]);
         continue;
       }
       const float value = static_cast<float>(ReadValue(data, element.properties[p].type));
-      if (!std::isfinite(value)) {
+      if (!std::isfinite(value) && IsOfNormal(slots[p])) {
+        has_normal = false;
+      } else if (!std::isfinite(value)) {
         data.Fail(fmt::format("'{}' of vertex {} is not finite", element.properties[p].name, i));
       }
       values[slots[p]] = value;
     }
     mesh.positions.emplace_back(values[0], values[1], values[2]);
-    if (has_normals) mesh.normals.emplace_back(values[3], values[4], values[5]);
+    if (has_normals) {
+      mesh.normals.push_back(has_normal ? glm::vec3(values[3], values[4], values[5])
+                                        : glm::vec3(0));
+      report.bad_normals += has_normal ? 0 : 1;
+    }
     if (has_uvs) mesh.uvs.emplace_back(values[6], values[7]);
   }
 }
@@ -231,7 +240,8 @@ const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
 
 }  // namespace
 
-Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* polygons) {
+Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report) {
+  PlyReport found;
   const PlyHeader header = ParsePlyHeader(bytes, path);
   const PlyElement* vertices = FindElement(header, "vertex", path);
   const PlyElement* faces = FindElement(header, "face", path);
@@ -239,7 +249,7 @@ Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* poly
   Mesh mesh;
   for (const PlyElement& element : header.elements) {
     if (&element == vertices) {
-      ReadVertices(data, element, mesh);
+      ReadVertices(data, element, mesh, found);
     } else if (&element == faces) {
       ReadFaces(data, element, vertices->count, mesh);
     } else {
@@ -252,12 +262,13 @@ Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* poly
   }
   NormalizeNormals(mesh);
   AlignWindingWithNormals(mesh);
-  if (polygons != nullptr) *polygons = std::size_t(faces->count);
+  found.polygons = std::size_t(faces->count);
+  if (report != nullptr) *report = found;
   return mesh;
 }
 
-Mesh ReadPly(const std::string& path, std::size_t* polygons) {
-  return ParsePly(Gunzip(ReadFile(path), path), path, polygons);
+Mesh ReadPly(const std::string& path, PlyReport* report) {
+  return ParsePly(Gunzip(ReadFile(path), path), path, report);
 }
 
 }  // namespace skywave

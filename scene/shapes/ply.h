@@ -15,14 +15,21 @@
 
 namespace skywave {
 
+// What a file has besides its mesh.
+struct PlyReport {
+  std::size_t polygons = 0;     // faces before they are cut into triangles
+  std::size_t bad_normals = 0;  // vertices whose normal was NaN or infinite
+};
+
 // Throws InputError with the byte offset (ascii and headers: the line) for every inconsistency:
 // counts that the file cannot hold, short or overlong data, indices out of range, faces of fewer
-// than three corners, positions or normals that are NaN or infinite. Never allocates more than a
+// than three corners, positions that are NaN or infinite. A normal that is becomes that
+// of the faces around it. Never allocates more than a
 // small multiple of the file's size. Winding follows the normals if there are any. The file may be
-// gzip-compressed. `polygons` gets the number of faces before they are cut into triangles.
-Mesh ReadPly(const std::string& path, std::size_t* polygons = nullptr);
+// gzip-compressed.
+Mesh ReadPly(const std::string& path, PlyReport* report = nullptr);
 
 // Parses the same from memory; `path` appears in messages.
-Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* polygons = nullptr);
+Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report = nullptr);
 
 }  // namespace skywave

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "scene/pbrt/reader.h"
+#include "scene/shapes/ply.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skywave {
 namespace {
@@ -67,6 +71,113 @@ TEST(PbrtLenient, TheScaleOfAFilmOfVersion3IsThatOfAllLight) {
   EXPECT_EQ(v3.lights.at(0).emission, glm::vec3(2.5f, 5, 7.5f));
   const Scene v4 = Warned(film + lamp, "t.pbrt:1", "\"float scale\" is not understood");
   EXPECT_EQ(v4.lights.at(0).emission, glm::vec3(1, 2, 3));
+}
+
+constexpr const char* kSphere = "Shape \"sphere\"\n";
+
+// Version 3 has one stack for attributes and objects: the third sphere is the object's, and where
+// the first scope ends the state is that of the beginning.
+TEST(PbrtLenient, AttributesAndObjectsOfVersion3MayEndCrosswise) {
+  const std::string ball = "Shape \"sphere\" \"float radius\" ";
+  const Scene scene = ParsePbrt(
+      "WorldBegin AttributeBegin Translate 5 0 0 ObjectBegin \"o\" Translate 5 0 0 " + ball +
+          "1\nAttributeEnd " + ball + "2\nObjectEnd " + ball + "3 ObjectInstance \"o\" WorldEnd",
+      "t.pbrt", {.instances = InstanceUse::kCopy});
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_NE(scene.warnings[0].find("t.pbrt:2: AttributeEnd closes the ObjectBegin of t.pbrt:1"),
+            std::string::npos)
+      << scene.warnings[0];
+  EXPECT_NE(scene.warnings[1].find("t.pbrt:3: ObjectEnd closes the AttributeBegin of t.pbrt:1"),
+            std::string::npos)
+      << scene.warnings[1];
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  const double middles[] = {0, 10, 5}, radii[] = {3, 1, 2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 middle(middles[i], 0, 0);
+    EXPECT_NEAR(glm::length(glm::dvec3(scene.meshes[i].positions.at(0)) - middle), radii[i], 1e-5)
+        << i;
+  }
+}
+
+TEST(PbrtLenient, EndsWithoutABeginningHaveNoEffectInVersion3) {
+  for (const std::string end : {"AttributeEnd", "TransformEnd", "ObjectEnd"}) {
+    const Scene scene = Warned("WorldBegin Translate 1 0 0\n" + end + " " + kSphere + "WorldEnd",
+                               "t.pbrt:2", end + " without ");
+    EXPECT_GT(scene.meshes.at(0).positions.at(0).x, -1e-6f) << end;
+  }
+  Warned("WorldBegin\nAttributeBegin " + std::string(kSphere) + "WorldEnd", "t.pbrt:2",
+         "AttributeBegin is never closed");
+}
+
+// Nothing is placed there, or what is placed is left out; the rest is rendered.
+TEST(PbrtLenient, SingularTransformsRefuseNothingButWhatTheyPlace) {
+  const std::string flat = "WorldBegin AttributeBegin\nScale 1 0 1\n";
+  for (const std::string version : {"", "WorldEnd"}) {
+    const Scene unused =
+        ParsePbrt(flat + "AttributeEnd " + kSphere + version, "t.pbrt", {.strict = true});
+    EXPECT_EQ(unused.meshes.size(), 1u);
+    const Scene again = ParsePbrt(flat + "Identity " + kSphere + "AttributeEnd " + version,
+                                  "t.pbrt", {.strict = true});
+    EXPECT_EQ(again.meshes.size(), 1u);
+    for (const std::string thing :
+         {"Shape \"sphere\"", "LightSource \"point\"", "LightSource \"infinite\""}) {
+      const Scene scene =
+          Warned(flat + thing + " AttributeEnd\n" + kSphere + version, "t.pbrt:3",
+                 thing + " under a transform that is singular since the Scale of t.pbrt:2");
+      EXPECT_EQ(scene.meshes.size(), 1u) << thing;
+      EXPECT_TRUE(scene.lights.empty()) << thing;
+    }
+  }
+}
+
+// The fourth row moves places, and an infinite light has none: it is turned about y.
+TEST(PbrtLenient, ProjectiveTransformsTurnInfiniteLights) {
+  const std::string quarter = "WorldBegin AttributeBegin ";
+  const std::string matrices[] = {"Transform [0 0 -1 0  0 1 0 0  1 0 0 0  0 0 0 1]",
+                                  "Transform [0 0 -1 .5  0 1 0 .25  1 0 0 0  0 0 0 1]"};
+  const std::string light = " LightSource \"infinite\" AttributeEnd\n";
+  const Scene plain = ParsePbrt(quarter + matrices[0] + light + kSphere, "t.pbrt", {});
+  const Scene scene =
+      ParsePbrt(quarter + matrices[1] + light + kSphere, "t.pbrt", {.strict = true});
+  ASSERT_EQ(scene.environments.size(), 1u);
+  EXPECT_EQ(scene.environments[0].world_from_map, plain.environments.at(0).world_from_map);
+  Warned(quarter + matrices[1] + "\n" + kSphere + "AttributeEnd " + kSphere, "t.pbrt:2",
+         "under a transform that is projective");
+}
+
+// The vertex without a normal gets that of its faces, and the others keep theirs.
+TEST(PbrtLenient, ANormalThatIsNoNumberIsThatOfTheFaces) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 0 .6 .8\n1 0 0 0 1 nan\n"
+      "0 1 0 0 0 1\n3 0 1 2\n";
+  PlyReport report;
+  const Mesh mesh = ParsePly(ply, "t.ply", &report);
+  EXPECT_EQ(report.bad_normals, 1u);
+  EXPECT_EQ(report.polygons, 1u);
+  EXPECT_EQ(mesh.normals, (std::vector<glm::vec3>{{0, 0.6f, 0.8f}, {0, 0, 1}, {0, 0, 1}}));
+  TemporaryFolder folder;
+  WriteFileAtomically(folder.Path("t.ply"), ply);
+  const std::string text = "WorldBegin\nShape \"plymesh\" \"string filename\" \"t.ply\"";
+  const std::string path = folder.Path("t.pbrt");
+  const Scene scene = ParsePbrt(text, path, {});
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("t.pbrt:2: 1 vertices have a normal that is not finite"),
+            std::string::npos)
+      << scene.warnings[0];
+  EXPECT_THROW(ParsePbrt(text, path, {.strict = true}), InputError);
+}
+
+TEST(PbrtLenient, ACommaAfterANumberIsNotReadByVersion3) {
+  const std::string text =
+      "WorldBegin\nTranslate 1, 2, 3\nMaterial \"matte\" \"rgb Kd\" [.1, .2, .3]\n";
+  const Scene scene = ParsePbrt(text + kSphere + "WorldEnd", "t.pbrt", {});
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings[0], "t.pbrt:2: a comma after a number: not read (4 times)");
+  EXPECT_EQ(scene.materials[scene.meshes.at(0).material].reflectance, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_THROW(ParsePbrt(text + kSphere, "t.pbrt", {}), InputError);
+  EXPECT_THROW(ParsePbrt("WorldBegin Translate 1,2 2 3 WorldEnd", "t.pbrt", {}), InputError);
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ TEST(Scopes, RestoreWhatTheySave) {
   EXPECT_NO_THROW(Parse(crossed));
   EXPECT_THROW(Parse(crossed + "WorldEnd"), InputError);
   EXPECT_THROW(Parse("WorldBegin ObjectBegin \"o\" AttributeEnd"), InputError);
+  EXPECT_THROW(Parse("WorldBegin ObjectBegin \"o\" TransformEnd WorldEnd"), InputError);
 }
 
 TEST(Scopes, AttributesReachWhatFollows) {
