@@ -34,7 +34,7 @@ Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   PlyReport report;
   Mesh mesh = ReadPly(path, &report);
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
-  WarnOfNormals(warnings, InputPosition::File(path), report.bad_normals);
+  WarnOfPly(report, InputPosition::File(path), warnings);
   mesh.name = path;
   Scene scene;
   scene.materials.push_back({.name = "default"});

@@ -60,14 +60,6 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
   AddNote(warnings, position, text);
 }
 
-void WarnOfNormals(Warnings& warnings, const InputPosition& position, std::size_t vertices) {
-  if (vertices == 0) return;
-  AddWarning(warnings, position,
-             fmt::format("{} vertices have a normal that is not finite: they get that of the faces "
-                         "around them",
-                         vertices));
-}
-
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw) {
   const std::string text = WithoutControlCodes(raw);
   const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());

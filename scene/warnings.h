@@ -35,9 +35,6 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
 void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
                   const std::string& name, const std::string& text);
 
-// Warns of vertices of a mesh whose normal is NaN or infinite, if there are any.
-void WarnOfNormals(Warnings& warnings, const InputPosition& position, std::size_t vertices);
-
 // Notes that something in the file has no effect, although the picture matches the file's
 // description. Never refused.
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw);

@@ -132,7 +132,7 @@ Mesh PlyMesh(PbrtParameters& parameters,
     throw InputError(parameters.position, error.what(), error.exit_code());
   }
   faces = report.polygons;
-  WarnOfNormals(warnings, parameters.position, report.bad_normals);
+  WarnOfPly(report, parameters.position, warnings);
   return mesh;
 }
 

@@ -35,9 +35,15 @@ PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   return texture;
 }
 
-// The space of a texture is the one in which it is defined, or the world if there is none.
-glm::dmat4 TextureFromWorld(const PbrtReader& reader) {
-  return reader.state.flaw ? glm::dmat4(1) : glm::inverse(reader.state.to_world);
+// The space of a texture is the one in which it is defined.
+glm::dmat4 TextureFromWorld(PbrtReader& reader, const PbrtParameters& parameters) {
+  if (const auto& flaw = reader.state.flaw) {
+    Warn(reader, parameters,
+         fmt::format("its transform is {} since the {} of {}: that of the world is used",
+                     flaw->what, flaw->directive, ToString(flaw->position)));
+    return glm::dmat4(1);
+  }
+  return glm::inverse(reader.state.to_world);
 }
 
 glm::dvec3 FindVector(PbrtParameters& parameters, std::string_view name,
@@ -307,8 +313,8 @@ PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters
                                   const PbrtTextures& same) {
   const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(1), glm::vec3(0)});
   if (!pair) return {};
-  return SolidTexture([pair = *pair, to_texture = TextureFromWorld(reader)](const glm::dvec3& place,
-                                                                            const glm::dvec3&) {
+  return SolidTexture([pair = *pair, to_texture = TextureFromWorld(reader, parameters)](
+                          const glm::dvec3& place, const glm::dvec3&) {
     const glm::dvec3 cell = glm::floor(glm::dvec3(to_texture * glm::dvec4(place, 1)));
     return glm::mod(cell.x + cell.y + cell.z, 2.0) == 0 ? pair.first : pair.second;
   });
@@ -334,19 +340,19 @@ PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters) {
   const double roughness = FindFloat(parameters, "roughness").value_or(0.5f);
   const double scale = FindFloat(parameters, "scale").value_or(1);
   const double variation = FindFloat(parameters, "variation").value_or(0.2f);
-  return SolidTexture(
-      [=, to_texture = TextureFromWorld(reader)](const glm::dvec3& place, const glm::dvec3&) {
-        constexpr int kCurves = 6;
-        static const glm::dvec3 kStone(0.58, 0.58, 0.6);
-        static const glm::dvec3 kColors[kCurves + 3] = {
-            kStone, kStone, kStone,           {0.5, 0.5, 0.5}, {0.6, 0.59, 0.58},
-            kStone, kStone, {0.2, 0.2, 0.33}, kStone};
-        const glm::dvec3 at = scale * glm::dvec3(to_texture * glm::dvec4(place, 1));
-        const double sheet = at.y + variation * FractalNoise(at, roughness, octaves);
-        const double along = (0.5 + 0.5 * std::sin(sheet)) * kCurves;
-        const int curve = std::clamp(int(along), 0, kCurves - 1);
-        return glm::vec3(1.5 * BezierPoint(kColors + curve, along - curve));
-      });
+  return SolidTexture([=, to_texture = TextureFromWorld(reader, parameters)](
+                          const glm::dvec3& place, const glm::dvec3&) {
+    constexpr int kCurves = 6;
+    static const glm::dvec3 kStone(0.58, 0.58, 0.6);
+    static const glm::dvec3 kColors[kCurves + 3] = {
+        kStone, kStone, kStone,           {0.5, 0.5, 0.5}, {0.6, 0.59, 0.58},
+        kStone, kStone, {0.2, 0.2, 0.33}, kStone};
+    const glm::dvec3 at = scale * glm::dvec3(to_texture * glm::dvec4(place, 1));
+    const double sheet = at.y + variation * FractalNoise(at, roughness, octaves);
+    const double along = (0.5 + 0.5 * std::sin(sheet)) * kCurves;
+    const int curve = std::clamp(int(along), 0, kCurves - 1);
+    return glm::vec3(1.5 * BezierPoint(kColors + curve, along - curve));
+  });
 }
 
 PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std::string& kind) {
@@ -357,8 +363,8 @@ PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std:
     octaves = std::clamp(FindInt(parameters, "octaves").value_or(octaves), 0, 32);
     roughness = FindFloat(parameters, "roughness").value_or(0.5f);
   }
-  return SolidTexture([=, to_texture = TextureFromWorld(reader)](const glm::dvec3& place,
-                                                                 const glm::dvec3&) {
+  return SolidTexture([=, to_texture = TextureFromWorld(reader, parameters)](
+                          const glm::dvec3& place, const glm::dvec3&) {
     const glm::dvec3 at(to_texture * glm::dvec4(place, 1));
     if (wrinkled) return glm::vec3(float(TurbulentNoise(at, roughness, octaves)));
     if (!windy) return glm::vec3(float(FractalNoise(at, roughness, octaves)));
@@ -408,12 +414,12 @@ PbrtTexture LayInSpace(PbrtReader& reader, PbrtParameters& parameters, std::stri
   if (!texture.image) return texture;
   const Texture source = reader.scene.textures[*texture.image];
   const auto image = std::make_shared<const Image>(reader.scene.images[source.image]);
-  return SolidTexture(
-      [=, factor = texture.value.value_or(glm::vec3(1)), to_texture = TextureFromWorld(reader)](
-          const glm::dvec3& place, const glm::dvec3&) {
-        const glm::dvec3 uv(uv_of(glm::dvec3(to_texture * glm::dvec4(place, 1))), 1);
-        return factor * LookUpImage(*image, source, glm::dmat3x2(source.transform) * uv);
-      });
+  return SolidTexture([=, factor = texture.value.value_or(glm::vec3(1)),
+                       to_texture = TextureFromWorld(reader, parameters)](const glm::dvec3& place,
+                                                                          const glm::dvec3&) {
+    const glm::dvec3 uv(uv_of(glm::dvec3(to_texture * glm::dvec4(place, 1))), 1);
+    return factor * LookUpImage(*image, source, glm::dmat3x2(source.transform) * uv);
+  });
 }
 
 std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,

@@ -12,8 +12,10 @@
 namespace skywave {
 namespace {
 
-// Returns why nothing can be placed by a matrix whose numbers are finite, or nothing.
+// Returns why nothing can be placed by a matrix whose numbers are finite, or nothing. Rounding is
+// no flaw: the last number of an inverse is 1 to a few units in the last place.
 std::string_view FlawOf(const glm::dmat4& matrix) {
+  constexpr double kRounding = 1e-12;
   const glm::dmat4 inverse = glm::inverse(matrix);
   bool has_inverse = std::isnormal(glm::determinant(matrix));
   for (int column = 0; column < 4; ++column) {
@@ -22,7 +24,8 @@ std::string_view FlawOf(const glm::dmat4& matrix) {
     }
   }
   if (!has_inverse) return "singular";
-  const bool affine = matrix[0].w == 0 && matrix[1].w == 0 && matrix[2].w == 0 && matrix[3].w == 1;
+  const bool affine = matrix[0].w == 0 && matrix[1].w == 0 && matrix[2].w == 0 &&
+                      std::abs(matrix[3].w - 1) < kRounding;
   return affine ? "" : "projective";
 }
 
@@ -40,23 +43,29 @@ void SetTransform(PbrtReader& reader, const InputPosition& position, std::string
   if (!IsFinite(matrix)) {
     throw InputError(position, fmt::format("{} makes the transform singular", directive));
   }
-  if (!reader.state.transform_active) return;
   reader.state.to_world = matrix;
-  const std::string_view flaw = FlawOf(matrix);
-  if (flaw.empty()) {
-    reader.state.flaw.reset();
-  } else if (!reader.state.flaw) {
-    reader.state.flaw = {std::string(flaw), std::string(directive), position};
+  auto& flaw = reader.state.flaw;
+  const std::string_view what = FlawOf(matrix);
+  if (what.empty()) {
+    flaw.reset();
+  } else if (!flaw || flaw->what != what) {
+    flaw = {std::string(what), std::string(directive), position};
   }
+}
+
+// The same at the start of the exposure, unless the directive is of its end alone.
+void SetActiveTransform(PbrtReader& reader, const InputPosition& position,
+                        std::string_view directive, const glm::dmat4& matrix) {
+  if (reader.state.transform_active) SetTransform(reader, position, directive, matrix);
 }
 
 void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
                  const glm::dmat4& matrix) {
-  SetTransform(reader, PositionOf(source, word), word.text, reader.state.to_world * matrix);
+  SetActiveTransform(reader, PositionOf(source, word), word.text, reader.state.to_world * matrix);
 }
 
 void Identity(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  SetTransform(reader, PositionOf(source, word), word.text, glm::dmat4(1));
+  SetActiveTransform(reader, PositionOf(source, word), word.text, glm::dmat4(1));
 }
 
 void Translate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -104,7 +113,7 @@ glm::dmat4 ReadMatrix(PbrtSource& source, const PbrtToken& word) {
 }
 
 void Transform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  SetTransform(reader, PositionOf(source, word), word.text, ReadMatrix(source, word));
+  SetActiveTransform(reader, PositionOf(source, word), word.text, ReadMatrix(source, word));
 }
 
 void ConcatTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {

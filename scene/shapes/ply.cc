@@ -271,4 +271,12 @@ Mesh ReadPly(const std::string& path, PlyReport* report) {
   return ParsePly(Gunzip(ReadFile(path), path), path, report);
 }
 
+void WarnOfPly(const PlyReport& report, const InputPosition& position, Warnings& warnings) {
+  if (report.bad_normals == 0) return;
+  AddWarning(warnings, position,
+             fmt::format("normals that are not finite, {} in number: those of the faces around the "
+                         "vertex are used",
+                         report.bad_normals));
+}
+
 }  // namespace skywave

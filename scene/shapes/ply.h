@@ -11,7 +11,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "scene/scene.h"
+#include "scene/warnings.h"
 
 namespace skywave {
 
@@ -23,13 +25,15 @@ struct PlyReport {
 
 // Throws InputError with the byte offset (ascii and headers: the line) for every inconsistency:
 // counts that the file cannot hold, short or overlong data, indices out of range, faces of fewer
-// than three corners, positions that are NaN or infinite. A normal that is becomes that
-// of the faces around it. Never allocates more than a
-// small multiple of the file's size. Winding follows the normals if there are any. The file may be
-// gzip-compressed.
+// than three corners, positions that are NaN or infinite. A vertex whose normal is NaN or infinite
+// gets that of the faces around it. Never allocates more than a small multiple of the file's size.
+// Winding follows the normals if there are any. The file may be gzip-compressed.
 Mesh ReadPly(const std::string& path, PlyReport* report = nullptr);
 
 // Parses the same from memory; `path` appears in messages.
 Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report = nullptr);
+
+// Warns of what was not taken as the file has it.
+void WarnOfPly(const PlyReport& report, const InputPosition& position, Warnings& warnings);
 
 }  // namespace skywave

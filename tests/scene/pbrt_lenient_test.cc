@@ -75,8 +75,8 @@ TEST(PbrtLenient, TheScaleOfAFilmOfVersion3IsThatOfAllLight) {
 
 constexpr const char* kSphere = "Shape \"sphere\"\n";
 
-// Version 3 has one stack for attributes and objects: the third sphere is the object's, and where
-// the first scope ends the state is that of the beginning.
+// Version 3 has one stack for attributes and objects: AttributeEnd restores the state before the
+// object, which goes on, and ObjectEnd that of the beginning.
 TEST(PbrtLenient, AttributesAndObjectsOfVersion3MayEndCrosswise) {
   const std::string ball = "Shape \"sphere\" \"float radius\" ";
   const Scene scene = ParsePbrt(
@@ -103,7 +103,8 @@ TEST(PbrtLenient, EndsWithoutABeginningHaveNoEffectInVersion3) {
   for (const std::string end : {"AttributeEnd", "TransformEnd", "ObjectEnd"}) {
     const Scene scene = Warned("WorldBegin Translate 1 0 0\n" + end + " " + kSphere + "WorldEnd",
                                "t.pbrt:2", end + " without ");
-    EXPECT_GT(scene.meshes.at(0).positions.at(0).x, -1e-6f) << end;
+    const glm::dvec3 point = scene.meshes.at(0).positions.at(0);
+    EXPECT_NEAR(glm::length(point - glm::dvec3(1, 0, 0)), 1, 1e-5) << end;
   }
   Warned("WorldBegin\nAttributeBegin " + std::string(kSphere) + "WorldEnd", "t.pbrt:2",
          "AttributeBegin is never closed");
@@ -128,6 +129,34 @@ TEST(PbrtLenient, SingularTransformsRefuseNothingButWhatTheyPlace) {
       EXPECT_TRUE(scene.lights.empty()) << thing;
     }
   }
+}
+
+// The inverse of a matrix is rounded, which does not make it projective.
+TEST(PbrtLenient, SpacesOfScaledCamerasPlaceShapes) {
+  const Scene scene =
+      ParsePbrt("Scale 9 9 9 Camera \"perspective\" WorldBegin CoordSysTransform \"camera\" " +
+                    std::string(kSphere),
+                "t.pbrt", {.strict = true});
+  EXPECT_NEAR(glm::length(scene.meshes.at(0).positions.at(0)), 1 / 9.0, 1e-6);
+}
+
+// A space is set for both ends of the exposure, as in pbrt.
+TEST(PbrtLenient, ActiveTransformsDoNotKeepCoordinateSystemsOut) {
+  const Scene scene = ParsePbrt(
+      "WorldBegin Translate 5 0 0 CoordinateSystem \"a\" Identity ActiveTransform EndTime "
+      "Translate 7 0 0 CoordSysTransform \"a\" ActiveTransform All " +
+          std::string(kSphere),
+      "t.pbrt", {});
+  const glm::dvec3 point = scene.meshes.at(0).positions.at(0);
+  EXPECT_NEAR(glm::length(point - glm::dvec3(5, 0, 0)), 1, 1e-5);
+}
+
+TEST(PbrtLenient, SolidTexturesUnderSingularTransformsAreThoseOfTheWorld) {
+  Warned(
+      "WorldBegin AttributeBegin\nScale 1 0 1\nTexture \"c\" \"spectrum\" \"marble\" "
+      "AttributeEnd Material \"matte\" \"texture Kd\" \"c\" " +
+          std::string(kSphere),
+      "t.pbrt:3", "its transform is singular since the Scale of t.pbrt:2");
 }
 
 // The fourth row moves places, and an infinite light has none: it is turned about y.
@@ -163,7 +192,7 @@ TEST(PbrtLenient, ANormalThatIsNoNumberIsThatOfTheFaces) {
   const std::string path = folder.Path("t.pbrt");
   const Scene scene = ParsePbrt(text, path, {});
   ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("t.pbrt:2: 1 vertices have a normal that is not finite"),
+  EXPECT_NE(scene.warnings[0].find("t.pbrt:2: normals that are not finite, 1 in number"),
             std::string::npos)
       << scene.warnings[0];
   EXPECT_THROW(ParsePbrt(text, path, {.strict = true}), InputError);
