@@ -44,6 +44,7 @@ class ByteCursor {
   }
   // Read little-endian numbers.
   std::uint8_t U8(const char* what) { return std::uint8_t(Take(1, what)[0]); }
+  std::uint16_t U16(const char* what) { return std::uint16_t(LittleEndian(2, what)); }
   std::uint32_t U32(const char* what) { return std::uint32_t(LittleEndian(4, what)); }
   std::int32_t I32(const char* what) { return std::int32_t(U32(what)); }
   std::uint64_t U64(const char* what) { return LittleEndian(8, what); }

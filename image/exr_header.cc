@@ -1,6 +1,7 @@
 #include "image/exr_header.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 #include <set>
 
@@ -158,8 +159,10 @@ class HeaderParser {
       CheckSize(InputPosition::Byte(path_, attribute.offset), header_.data_window.width(),
                 header_.data_window.height(), limits_);
     } else if (attribute.name == "displayWindow") {
-      const ExrBox box = ParseBox(value);
+      const ExrBox box = header_.display_window = ParseBox(value);
       if (box.width() < 1 || box.height() < 1) fail(" is empty");
+    } else if (attribute.name == "chromaticities" && attribute.type == "chromaticities") {
+      ParsePrimaries(value);
     } else if (attribute.name == "lineOrder") {
       if (value.U8("the line order") > 2) fail(" is unknown");
     } else if (attribute.name == "tiles") {
@@ -207,11 +210,24 @@ class HeaderParser {
 
   void ParseCompression(ByteCursor& value) {
     const std::uint8_t code = value.U8("the compression");
-    if (code > std::uint8_t(ExrCompression::kDwab)) value.Fail("an unknown EXR compression");
+    if (code > std::uint8_t(ExrCompression::kDwab)) {
+      value.Fail("the compression " + std::to_string(code) +
+                 " (10 and 11 are HTJ2K), which is not supported; write the file with zip");
+    }
     header_.compression = ExrCompression(code);
     if (header_.compression > ExrCompression::kPiz) {
       RefuseUnlessTrusted(std::string("EXR compression ") + Name(header_.compression));
     }
+  }
+
+  void ParsePrimaries(ByteCursor& value) {
+    RgbPrimaries primaries;
+    for (glm::dvec2* const c :
+         {&primaries.red, &primaries.green, &primaries.blue, &primaries.white}) {
+      c->x = std::bit_cast<float>(value.U32("the chromaticities"));
+      c->y = std::bit_cast<float>(value.U32("the chromaticities"));
+    }
+    if (IsRgbSpace(primaries)) header_.primaries = primaries;
   }
 
   ExrBox ParseBox(ByteCursor& value) {

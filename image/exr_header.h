@@ -7,11 +7,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "image/image.h"
+#include "image/primaries.h"
 
 namespace skywave {
 
@@ -41,10 +43,11 @@ struct ExrHeader {
   bool deep = false;
   bool multi_part = false;
   ExrCompression compression = ExrCompression::kNone;
-  ExrBox data_window;
+  ExrBox data_window, display_window;
   ExrTiles tiles;
   std::vector<ExrChannel> channels;
-  Metadata strings;     // attributes of type string
+  std::optional<RgbPrimaries> primaries;  // of R, G and B, if the file says so
+  Metadata strings;                       // attributes of type string
   std::size_t end = 0;  // [bytes] offset after the header, where the chunk table begins
 
   std::int64_t pixel_bytes() const;  // sum over all channels

@@ -44,12 +44,36 @@ Decoder8Bit FindDecoder8Bit(const std::string& name, std::string_view bytes) {
   return LowerCaseEnding(name) == ".tga" ? DecodeTga : nullptr;
 }
 
+// Says what bytes are that begin like no picture of radiance.
+std::string WhatItIsInstead(std::string_view bytes) {
+  if (bytes.empty()) return "is empty";
+  constexpr std::string_view kTiff = "II*", kTiffFromHigh("MM\0*", 4), kBigTiff = "II+";
+  constexpr std::string_view kPointer = "version https://git-lfs";
+  std::string what = "is neither OpenEXR, Radiance RGBE nor PFM";
+  if (StartsWith(bytes, kPointer)) {
+    return what + " but the pointer of Git LFS to it; `git lfs pull` gets the file";
+  }
+  const auto but = [&](const char* format, const char* advice) {
+    return what + " but " + format + ", which " + advice;
+  };
+  const char* const convert = "cannot be read; convert it to OpenEXR";
+  if (StartsWith(bytes, kTiff) || StartsWith(bytes, kTiffFromHigh) || StartsWith(bytes, kBigTiff)) {
+    return but("TIFF", convert);
+  }
+  if (StartsWith(bytes, "DDS ")) return but("DDS", "cannot be read; convert it to PNG or OpenEXR");
+  if (StartsWith(bytes, "\xabKTX")) return but("KTX", "cannot be read; convert it to PNG");
+  if (StartsWith(bytes, "8BPS")) return but("Photoshop's", convert);
+  if (FindDecoder8Bit("", bytes) != nullptr) {
+    return but("of 8 or 16 bits", "has no radiance to light with or to compare");
+  }
+  return what;
+}
+
 Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits).image;
   if (StartsWith(bytes, "#?")) return DecodeRgbe(path, bytes, limits);
   if (StartsWith(bytes, "PF") || StartsWith(bytes, "Pf")) return DecodePfm(path, bytes, limits);
-  throw InputError(InputPosition::Byte(path, 0),
-                   bytes.empty() ? "is empty" : "is neither OpenEXR, Radiance RGBE nor PFM");
+  throw InputError(InputPosition::Byte(path, 0), WhatItIsInstead(bytes));
 }
 
 const std::string kExrAlpha = "A";
@@ -164,6 +188,21 @@ Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding) {
     }
   }
   return FromBytes(width, height, rgba, encoding);
+}
+
+Image FromDeepRgba(int width, int height, const std::vector<std::uint16_t>& rgba,
+                   Encoding encoding) {
+  std::vector<float> table(65536);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double share = double(i) / 65535;
+    table[i] = float(encoding == Encoding::kSrgb ? LinearFromSrgb(share) : share);
+  }
+  Image image(width, height);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    const std::size_t channel = encoding == Encoding::kAlpha ? 3 : i % 3;
+    image.rgb[i] = table[rgba[4 * (i / 3) + channel]];
+  }
+  return image;
 }
 
 void SpreadGrey(Image& image) {

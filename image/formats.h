@@ -47,6 +47,10 @@ Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encod
 // Overwrites them.
 Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding);
 
+// The same from four numbers of 16 bits per pixel.
+Image FromDeepRgba(int width, int height, const std::vector<std::uint16_t>& rgba,
+                   Encoding encoding);
+
 // Copies the red channel to the two others.
 void SpreadGrey(Image& image);
 

@@ -1,5 +1,6 @@
 #include "image/image.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -129,6 +130,11 @@ BadPixels RepairRadiance(Image& image) {
     if (here != 0) any = true;
   });
   if (!any) return bad;
+  constexpr float kLargestHalf = 65504;
+  float largest = kLargestHalf;
+  for (const float value : image.rgb) {
+    if (std::isfinite(value)) largest = std::max(largest, value);
+  }
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     bool nan = false, infinite = false, negative = false;
     for (std::size_t c = i; c < i + 3; ++c) {
@@ -137,7 +143,7 @@ BadPixels RepairRadiance(Image& image) {
       nan |= std::isnan(value);
       infinite |= std::isinf(value);
       negative |= value < 0;
-      value = 0;
+      value = std::isinf(value) && value > 0 ? largest : 0;
     }
     if (nan) {
       ++bad.nan;
@@ -148,6 +154,13 @@ BadPixels RepairRadiance(Image& image) {
     }
   }
   return bad;
+}
+
+std::string Describe(const BadPixels& bad) {
+  return fmt::format(
+      "{} NaN, {} infinite and {} negative pixels: infinite ones become the largest value, others "
+      "0",
+      bad.nan, bad.infinite, bad.negative);
 }
 
 float ExposureValue100(const PhotographicExposure& camera) {

@@ -40,9 +40,11 @@ struct ReadLimits {
 };
 
 // Reads OpenEXR, Radiance RGBE or PFM, recognised by their first bytes, never by name. Grey images
-// become three equal channels; alpha and other layers are left out. Values are unchanged, including
-// NaN, Inf and negative ones (see RepairRadiance); the exposure of RGBE and the scale of PFM are
-// not applied. For an EXR, the data window is read. Throws InputError with the byte offset; a
+// become three equal channels; alpha and other layers are left out. Colours of other primaries,
+// which a header gives, become those of Rec. 709; what a header of RGBE says the radiance was
+// multiplied by is divided by, and the scale of PFM is a factor. Otherwise values are unchanged,
+// including NaN, Inf and negative ones (see RepairRadiance). The picture of an EXR is that of its
+// display window, black where there are no data. Throws InputError with the byte offset; a
 // truncated or inconsistent file never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
@@ -58,8 +60,8 @@ bool IsGltfImage(std::string_view bytes);
 // Interprets the numbers of a file of 8 bits as sRGB colours or as unconverted numbers in [0, 1].
 // kAlpha replaces all three channels with the alpha channel, or 1 if there is none.
 enum class Encoding { kSrgb, kLinear, kAlpha };
-// Reads a picture for use as a texture: PNG (8 bits per channel; deeper ones are rounded), JPEG
-// (baseline and progressive), WebP, TGA (the name ends in .tga), BMP (not compressed), GIF (its
+// Reads a picture for use as a texture: PNG (of 16 bits per channel at most), JPEG
+// (baseline and progressive), WebP, TGA (the name ends in .tga), BMP, GIF (its
 // first picture), or one of the formats of ReadImage. An alpha channel is left out, except for
 // kAlpha; JPEG, Radiance RGBE and PFM have alpha 1. Errors are those of ReadImage.
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits = {});
@@ -187,8 +189,12 @@ struct BadPixels {
   std::size_t nan = 0, infinite = 0, negative = 0;
   std::size_t total() const { return nan + infinite + negative; }
 };
-// Sets every NaN, infinite and negative channel to 0 and counts the pixels by their worst channel.
+// Sets every NaN and negative channel to 0, an infinite one to the largest finite one of the
+// picture or to 65504, the largest of 16 bits, if that is more: where light is brighter than a file
+// can hold, it is the sun. Counts the pixels by their worst channel.
 BadPixels RepairRadiance(Image& image);
+// Says how many pixels of each kind there were, and what became of them.
+std::string Describe(const BadPixels& bad);
 
 // Returns the Rec. 709 luminance with the weights of the Debevec family, as the thesis uses them (T
 // 5.2.2).

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 // jpeglib.h needs FILE from this header.
+#include <jerror.h>
 #include <jpeglib.h>
 
 #include <cassert>
@@ -27,9 +28,14 @@ void Jump(j_common_ptr info) {
   std::longjmp(errors->jump, 1);
 }
 
-// Warnings report truncated or damaged data, after which libjpeg would continue with grey.
+// Warnings report truncated or damaged data, after which libjpeg would continue with grey; but not
+// these, after which every pixel is there.
 void EmitMessage(j_common_ptr info, int level) {
-  if (level < 0) Jump(info);
+  if (level >= 0) return;
+  for (const int harmless : {JWRN_EXTRANEOUS_DATA, JWRN_JFIF_MAJOR, JWRN_ADOBE_XFORM}) {
+    if (info->err->msg_code == harmless) return;
+  }
+  Jump(info);
 }
 
 // Without this limit, a small progressive file could demand any number of passes over all pixels.

@@ -1,8 +1,9 @@
 // Reads and writes portable float maps: "PF" (colour) or "Pf" (grey), width, height and scale as
 // text, one white space, then raw floats, rows from the bottom.
 //
-// The sign of the scale gives the byte order (negative: little-endian). Its magnitude, a unit
-// without an agreed meaning, is ignored: values are unchanged.
+// The sign of the scale gives the byte order (negative: little-endian), its magnitude a factor of
+// the values, which is 1 in most files; pbrt-v4 multiplies by it, too. Words may have any white
+// space and lines of comments (#) before them.
 
 #include <bit>
 #include <cassert>
@@ -19,18 +20,25 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are read and written as such");
 
-constexpr std::size_t kMaxPfmHeaderBytes = 256;
+constexpr std::size_t kMaxPfmHeaderBytes = 4096;
 
 bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
 // Returns the next word of the header and skips exactly one white space after it: more would
 // consume pixels.
 std::string_view TakeWord(ByteCursor& cursor, std::string_view bytes) {
-  const std::size_t start = cursor.offset();
+  const auto at = [&](std::size_t i) {
+    if (i >= kMaxPfmHeaderBytes) cursor.Fail("the PFM header has no end");
+    return i < bytes.size() ? bytes[i] : ' ';
+  };
+  std::size_t start = cursor.offset();
+  bool in_comment = false;
+  for (; start < bytes.size() && (in_comment || IsSpace(at(start)) || at(start) == '#'); ++start) {
+    in_comment = (in_comment || at(start) == '#') && at(start) != '\n';
+  }
   std::size_t end = start;
-  while (end < bytes.size() && end < kMaxPfmHeaderBytes && !IsSpace(bytes[end])) ++end;
-  if (end == kMaxPfmHeaderBytes) cursor.Fail("the PFM header has no end");
-  cursor.Take(end - start + 1, "the PFM header");
+  while (!IsSpace(at(end))) ++end;
+  cursor.Take(end + 1 - cursor.offset(), "the PFM header");
   return bytes.substr(start, end - start);
 }
 
@@ -54,7 +62,8 @@ Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimit
   CheckSize(size_position, width, height, limits);
 
   const InputPosition scale_position = InputPosition::Byte(path, cursor.offset());
-  const std::string_view scale_text = TakeWord(cursor, bytes);
+  std::string_view scale_text = TakeWord(cursor, bytes);
+  if (scale_text.starts_with('+')) scale_text.remove_prefix(1);
   const char* const scale_end = scale_text.data() + scale_text.size();
   double scale = 0;
   const auto [parsed_to, error] = std::from_chars(scale_text.data(), scale_end, scale);
@@ -64,6 +73,10 @@ Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimit
 
   const std::size_t row_bytes = std::size_t(width) * channels * sizeof(float);
   const std::size_t expected = row_bytes * height;
+  const auto factor = float(std::abs(scale));
+  if (cursor.left() == expected + 1 && bytes[cursor.offset()] == '\n') {
+    cursor.Take(1, "the PFM header");  // lines that end by two characters
+  }
   if (cursor.left() != expected) {
     cursor.Fail("the PFM size asks for " + std::to_string(expected) +
                 " bytes of pixels, the file has " + std::to_string(cursor.left()));
@@ -73,7 +86,8 @@ Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimit
   for (int y = image.height; y-- > 0;) {
     std::memcpy(row.data(), cursor.Take(row_bytes, "the pixels").data(), row_bytes);
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const float value = scale > 0 ? FromBigEndian(row[i]) : row[i];
+      const float stored = scale > 0 ? FromBigEndian(row[i]) : row[i];
+      const float value = factor == 1 ? stored : factor * stored;  // NaN keeps its bits
       float* const pixel = image.Pixel(0, y) + i * 3 / channels;
       std::fill_n(pixel, 3 / channels, value);
     }

@@ -3,8 +3,12 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <csetjmp>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "base/error.h"
@@ -98,22 +102,59 @@ PngBand Deflated(const std::vector<std::uint8_t>& filtered, bool is_last) {
   return band;
 }
 
-// Returns the file without its chunks gAMA, which libpng's simplified interface would apply:
-// readers of textures (pbrt, glTF) take the numbers of the file as sRGB or as they are, whatever
-// gamma the file gives. Anything that is no list of chunks stays as it is.
-std::string WithoutGamma(std::string_view bytes) {
-  constexpr std::size_t kSignature = 8, kFrame = 12;  // length, type and checksum of a chunk
-  std::string kept(bytes.substr(0, kSignature));
-  std::size_t at = kept.size();
-  while (bytes.size() - at >= kFrame) {
-    std::size_t length = 0;
-    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::uint8_t(bytes[at + i]);
-    if (length > bytes.size() - at - kFrame) break;
-    const std::string_view chunk = bytes.substr(at, length + kFrame);
-    if (chunk.substr(4, 4) != "gAMA") kept += chunk;
-    at += chunk.size();
+// What reading has in hand. libpng leaves its functions by longjmp after an error, so this holds
+// what has to survive that.
+struct PngReading {
+  std::string_view left;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  char message[128] = "";
+};
+
+void FailPng(png_structp png, png_const_charp message) {
+  auto* const reading = static_cast<PngReading*>(png_get_error_ptr(png));
+  std::snprintf(reading->message, sizeof reading->message, "%s", message);
+  png_longjmp(png, 1);
+}
+void IgnoreWarning(png_structp, png_const_charp) {}
+
+void TakeBytes(png_structp png, png_bytep to, std::size_t size) {
+  auto& left = static_cast<PngReading*>(png_get_io_ptr(png))->left;
+  if (size > left.size()) png_error(png, "the file ends within the picture");
+  std::copy_n(left.data(), size, reinterpret_cast<char*>(to));
+  left.remove_prefix(size);
+}
+
+// No object with a destructor may be created between setjmp and longjmp, so the two halves of
+// reading are plain functions that return false on errors. The pixels become four numbers each, of
+// 16 bits if the file has so many and of 8 bits otherwise. Whatever gamma the file gives is not
+// applied: readers of textures (pbrt, glTF) take the numbers as sRGB or as they are.
+bool ReadPngHeader(PngReading& reading, png_uint_32& width, png_uint_32& height, int& depth) {
+  if (setjmp(png_jmpbuf(reading.png))) return false;
+  png_set_read_fn(reading.png, &reading, TakeBytes);
+  png_set_user_limits(reading.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // CheckSize has others
+  png_read_info(reading.png, reading.info);
+  width = png_get_image_width(reading.png, reading.info);
+  height = png_get_image_height(reading.png, reading.info);
+  depth = png_get_bit_depth(reading.png, reading.info) == 16 ? 16 : 8;
+  return true;
+}
+bool ReadPngPixels(PngReading& reading, int depth, std::uint8_t* rows, std::size_t stride,
+                   png_uint_32 height) {
+  if (setjmp(png_jmpbuf(reading.png))) return false;
+  png_set_expand(reading.png);  // palettes, fewer bits than 8, and transparent colours
+  png_set_gray_to_rgb(reading.png);
+  static_assert(std::endian::native == std::endian::little);
+  if (depth == 16) png_set_swap(reading.png);
+  png_set_add_alpha(reading.png, depth == 16 ? 0xFFFF : 0xFF, PNG_FILLER_AFTER);
+  const int passes = png_set_interlace_handling(reading.png);
+  png_read_update_info(reading.png, reading.info);
+  for (int pass = 0; pass < passes; ++pass) {
+    for (png_uint_32 y = 0; y < height; ++y) {
+      png_read_row(reading.png, rows + stride * y, nullptr);
+    }
   }
-  return kept += bytes.substr(at);
+  return true;
 }
 
 }  // namespace
@@ -161,34 +202,32 @@ void WritePng(const std::string& path, int width, int height,
   WriteFileAtomically(path, EncodePng(width, height, rgb));
 }
 
-// libpng's simplified interface reports errors by return value instead of longjmp. It removes
-// alpha by blending, so alpha is read and then dropped, or is the
-// only channel that is kept.
 Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits) {
-  png_image png = {};
-  png.version = PNG_IMAGE_VERSION;
+  PngReading reading{bytes};
   struct Free {
-    png_image* image;
-    ~Free() { png_image_free(image); }
-  } const free_at_end{&png};
+    PngReading* reading;
+    ~Free() { png_destroy_read_struct(&reading->png, &reading->info, nullptr); }
+  } const free_at_end{&reading};
   const auto fail = [&] {
-    throw InputError(InputPosition::File(path), std::string("is no PNG to read: ") + png.message);
+    throw InputError(InputPosition::File(path),
+                     std::string("is no PNG to read: ") + reading.message);
   };
-  // The chunk stands before the pixels, and most files have none.
-  std::string kept;
-  if (bytes.substr(0, bytes.find("IDAT")).find("gAMA") != std::string_view::npos) {
-    kept = WithoutGamma(bytes);
-    bytes = kept;
-  }
-  if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) fail();
-  CheckSize(InputPosition::File(path), png.width, png.height, limits);
-  // Without this, 16-bit files that do not name their encoding are taken as linear light.
-  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
-  png.format = PNG_FORMAT_RGBA;
-  std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(png));
-  if (!png_image_finish_read(&png, nullptr, rgba.data(), 0, nullptr)) fail();
-  return FromRgba(int(png.width), int(png.height), rgba.data(), encoding);
+  reading.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading, FailPng, IgnoreWarning);
+  if (reading.png == nullptr) throw std::bad_alloc();
+  reading.info = png_create_info_struct(reading.png);
+  if (reading.info == nullptr) throw std::bad_alloc();
+  png_uint_32 width = 0, height = 0;
+  int depth = 8;
+  if (!ReadPngHeader(reading, width, height, depth)) fail();
+  CheckSize(InputPosition::File(path), width, height, limits);
+  const std::size_t stride = std::size_t(width) * 4 * std::size_t(depth / 8);
+  std::vector<std::uint8_t> rgba(stride * height);
+  if (!ReadPngPixels(reading, depth, rgba.data(), stride, height)) fail();
+  if (depth == 8) return FromRgba(int(width), int(height), rgba.data(), encoding);
+  std::vector<std::uint16_t> deep(rgba.size() / 2);
+  std::memcpy(deep.data(), rgba.data(), rgba.size());
+  return FromDeepRgba(int(width), int(height), deep, encoding);
 }
 
 }  // namespace skywave

@@ -1,18 +1,25 @@
 // Reads and writes Radiance RGBE pictures (Greg Ward's .hdr): a text header, a resolution line and
 // scan lines of pixels with a common exponent.
 //
-// A pixel is exactly mantissa * 2^(exponent - 136); exponent 0 is black. EXPOSURE, COLORCORR,
-// PRIMARIES and GAMMA lines are not applied: values are unchanged. Radiance's own programs add half
-// a mantissa step when decoding; most others, and this one, do not. Bytes after the last scan line
-// are ignored.
+// A pixel is exactly mantissa * 2^(exponent - 136); exponent 0 is black. Radiance's own programs
+// add half a mantissa step when decoding; most others, and this one, do not. EXPOSURE and COLORCORR
+// say by what the numbers were multiplied, and are divided by again; PRIMARIES, if they make a
+// space, say what the colours are. GAMMA is not applied. Bytes after the last scan line are
+// ignored.
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "base/files.h"
 #include "image/byte_cursor.h"
 #include "image/formats.h"
+#include "image/primaries.h"
 
 namespace skywave {
 namespace {
@@ -42,54 +49,109 @@ std::string_view TakeLine(ByteCursor& cursor, const char* what) {
   return line;
 }
 
-void ReadHeader(ByteCursor& cursor) {
-  const std::string_view program = TakeLine(cursor, "the Radiance header");
-  if (program != "#?RADIANCE" && program != "#?RGBE") {
-    cursor.Fail("is not a Radiance picture: it starts with neither #?RADIANCE nor #?RGBE");
+// What the lines of a header say of the numbers in the file.
+struct Header {
+  bool is_xyz = false;  // the channels are CIE X, Y and Z
+  std::array<double, 3> multiplied = {1, 1, 1};
+  std::optional<RgbPrimaries> primaries;
+};
+
+// Returns the numbers of a line after "NAME=", which has so many.
+template <std::size_t kCount>
+std::array<double, kCount> TakeNumbers(ByteCursor& cursor, std::string_view line) {
+  std::array<double, kCount> numbers = {};
+  const std::string_view name = line.substr(0, line.find('='));
+  std::string_view rest = line.substr(name.size() + 1);
+  for (double& number : numbers) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(" \t+"), rest.size()));
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+    if (error != std::errc() || !std::isfinite(number)) {
+      cursor.Fail(fmt::format("the Radiance header's line {} has not {} numbers", name, kCount));
+    }
+    rest.remove_prefix(std::size_t(end - rest.data()));
   }
+  return numbers;
+}
+
+Header ReadHeader(ByteCursor& cursor) {
+  // Programs write their own name after these two characters.
+  if (!TakeLine(cursor, "the Radiance header").starts_with("#?")) {
+    cursor.Fail("is not a Radiance picture: it does not start with #?");
+  }
+  Header header;
   bool has_format = false;
   while (true) {
     const std::string_view line = TakeLine(cursor, "the Radiance header");
     if (cursor.offset() > kMaxRgbeHeaderBytes) cursor.Fail("the Radiance header has no end");
     if (line.empty()) break;
-    if (line.substr(0, 7) != "FORMAT=") continue;
-    if (line != "FORMAT=32-bit_rle_rgbe") {
-      cursor.Fail(std::string(line) + " is not supported, only FORMAT=32-bit_rle_rgbe");
+    const auto multiply = [&](const std::array<double, 3>& factors) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        header.multiplied[c] *= factors[c];
+        if (!(header.multiplied[c] > 0) || !std::isfinite(header.multiplied[c])) {
+          cursor.Fail(fmt::format("the Radiance header's line {} is no exposure", line));
+        }
+      }
+    };
+    if (line.starts_with("EXPOSURE=")) {
+      const double factor = TakeNumbers<1>(cursor, line)[0];
+      multiply({factor, factor, factor});
+    } else if (line.starts_with("COLORCORR=")) {
+      multiply(TakeNumbers<3>(cursor, line));
+    } else if (line.starts_with("PRIMARIES=")) {
+      const auto [rx, ry, gx, gy, bx, by, wx, wy] = TakeNumbers<8>(cursor, line);
+      const RgbPrimaries primaries = {{rx, ry}, {gx, gy}, {bx, by}, {wx, wy}};
+      if (IsRgbSpace(primaries)) header.primaries = primaries;
+    } else if (line.starts_with("FORMAT=")) {
+      header.is_xyz = line == "FORMAT=32-bit_rle_xyze";
+      if (!header.is_xyz && line != "FORMAT=32-bit_rle_rgbe") {
+        cursor.Fail(std::string(line) +
+                    " is not supported, only FORMAT=32-bit_rle_rgbe and 32-bit_rle_xyze");
+      }
+      has_format = true;
     }
-    has_format = true;
   }
   if (!has_format) cursor.Fail("the Radiance header has no line FORMAT=32-bit_rle_rgbe");
+  return header;
 }
 
 // Parses "-Y 512 +X 1024", with the slow axis first. -Y runs down, +X to the right.
 Layout ReadResolution(ByteCursor& cursor, const std::string& path, const ReadLimits& limits) {
   const InputPosition position = InputPosition::Byte(path, cursor.offset());
-  const std::string_view line = TakeLine(cursor, "the Radiance resolution line");
-  const auto fail = [&] {
-    throw InputError(position, "the Radiance resolution line is not like \"-Y 512 +X 1024\"");
+  std::string_view line = TakeLine(cursor, "the Radiance resolution line");
+  // Some programs pad the numbers.
+  const auto take = [&] {
+    line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+    const std::string_view word = line.substr(0, line.find(' '));
+    line.remove_prefix(word.size());
+    return word;
   };
-  const std::size_t second = line.find(' ', 3);
-  if (line.size() < 9 || line[2] != ' ' || second == std::string_view::npos ||
-      line.size() < second + 5 || line[second + 3] != ' ') {
-    fail();
+  const std::string_view slow = take();
+  const std::int64_t lines = ParseSize(take());
+  const std::string_view fast = take();
+  const std::int64_t line_length = ParseSize(take());
+  const auto is_axis = [](std::string_view word) {
+    return word.size() == 2 && (word[0] == '+' || word[0] == '-') &&
+           (word[1] == 'X' || word[1] == 'Y');
+  };
+  if (!is_axis(slow) || !is_axis(fast) || slow[1] == fast[1] || lines < 0 || line_length < 0 ||
+      !take().empty()) {
+    throw InputError(position, "the Radiance resolution line is not like \"-Y 512 +X 1024\"");
   }
-  const char slow_sign = line[0], slow_axis = line[1];
-  const char fast_sign = line[second + 1], fast_axis = line[second + 2];
-  const auto is_sign = [](char c) { return c == '+' || c == '-'; };
-  const bool by_rows = slow_axis == 'Y' && fast_axis == 'X';
-  const bool by_columns = slow_axis == 'X' && fast_axis == 'Y';
-  const std::int64_t lines = ParseSize(line.substr(3, second - 3));
-  const std::int64_t line_length = ParseSize(line.substr(second + 4));
-  if (!is_sign(slow_sign) || !is_sign(fast_sign) || !(by_rows || by_columns) || lines < 0 ||
-      line_length < 0) {
-    fail();
-  }
+  const bool by_rows = slow[1] == 'Y';
   CheckSize(position, by_rows ? line_length : lines, by_rows ? lines : line_length, limits);
+  // The longest runs of these formats, of all four bytes of a pixel, are far shorter on average.
+  constexpr std::uint64_t kPixelsPerByte = 128, kFewPixels = 1 << 22;
+  const std::uint64_t pixels = std::uint64_t(lines) * std::uint64_t(line_length);
+  if (pixels > kFewPixels && pixels / kPixelsPerByte > cursor.left()) {
+    throw InputError(position, fmt::format("a picture of {} x {} pixels in {} bytes is refused",
+                                           by_rows ? line_length : lines,
+                                           by_rows ? lines : line_length, cursor.left()));
+  }
   return {.lines = int(lines),
           .line_length = int(line_length),
           .by_rows = by_rows,
-          .x_falls = (by_rows ? fast_sign : slow_sign) == '-',
-          .y_rises = (by_rows ? slow_sign : fast_sign) == '+'};
+          .x_falls = (by_rows ? fast : slow)[0] == '-',
+          .y_rises = (by_rows ? slow : fast)[0] == '+'};
 }
 
 // Reads one channel after another. A code above 128 repeats one byte (code - 128) times; any other
@@ -206,7 +268,7 @@ void AppendChannelRuns(const std::vector<Rgbe>& line, std::string& bytes) {
 
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   ByteCursor cursor(path, bytes);
-  ReadHeader(cursor);
+  const Header header = ReadHeader(cursor);
   const Layout layout = ReadResolution(cursor, path, limits);
 
   // The picture is allocated after all lines have been read, so that memory follows the contents of
@@ -229,6 +291,13 @@ Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimi
       const Rgbe& rgbe = pixels[std::size_t(i) * layout.line_length + j];
       for (int c = 0; c < 3; ++c) pixel[c] = rgbe[c] * kUnits[rgbe[3]];
     }
+  }
+  const auto [r, g, b] = header.multiplied;
+  if (r != 1 || g != 1 || b != 1) ConvertColors({1 / r, 0, 0, 0, 1 / g, 0, 0, 0, 1 / b}, image);
+  if (header.is_xyz) {
+    ConvertColors(glm::inverse(XyzFromRgb(kRec709)), image);
+  } else if (header.primaries) {
+    ConvertToRec709(*header.primaries, image);
   }
   return image;
 }

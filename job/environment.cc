@@ -57,8 +57,7 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
                                 ToString(projection)));
     const BadPixels bad = RepairRadiance(image);
     if (bad.total() > 0) {
-      notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0", name,
-                                  bad.nan, bad.infinite, bad.negative));
+      notes.push_back(fmt::format("{}: {}", name, Describe(bad)));
     }
     light.map = ToLatLong(std::move(image), projection);
   }
@@ -70,8 +69,8 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
     }
   }
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
-    notes.push_back(fmt::format(
-        "{}: {} pixels exceed all bounds at this intensity and are set to 0", name, bad.total()));
+    notes.push_back(fmt::format("{}: {} pixels exceed all bounds at this intensity and are limited",
+                                name, bad.total()));
   }
 }
 

@@ -30,8 +30,7 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
 ProbeMap ReadProbe(const MapFlags& flags) {
   ProbeMap map = MakeProbeMap(ReadImage(flags.path, flags.limits), flags.path, flags.projection);
   if (map.bad.total() > 0) {
-    Print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n", flags.path,
-          map.bad.nan, map.bad.infinite, map.bad.negative);
+    Print(stderr, "note: {}: {}\n", flags.path, Describe(map.bad));
   }
   return map;
 }

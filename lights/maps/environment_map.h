@@ -19,6 +19,7 @@ enum class Projection {
   kHorizontalCross,
   kVerticalCross,
   kCubeStrip,
+  kCubeColumn,
   kOctahedral,
 };
 

@@ -46,6 +46,9 @@ constexpr CubeLayout kStrip = {
     1,
     {{0, 0, false}, {1, 0, false}, {2, 0, false}, {3, 0, false}, {4, 0, false}, {5, 0, false}}};
 
+constexpr CubeLayout kColumn = {
+    1, 6, {{0, 1, false}, {0, 0, false}, {0, 2, true}, {0, 3, true}, {0, 4, false}, {0, 5, false}}};
+
 const CubeLayout* LayoutOf(Projection projection) {
   switch (projection) {
     case Projection::kHorizontalCross:
@@ -54,6 +57,8 @@ const CubeLayout* LayoutOf(Projection projection) {
       return &kVertical;
     case Projection::kCubeStrip:
       return &kStrip;
+    case Projection::kCubeColumn:
+      return &kColumn;
     default:
       return nullptr;
   }
@@ -170,11 +175,13 @@ Projection DetectProjection(const Image& image, const std::string& path) {
   if (width == height) return Projection::kAngular;
   if (3 * width == 4 * height) return Projection::kHorizontalCross;
   if (4 * width == 3 * height) return Projection::kVerticalCross;
+  if (6 * width == height) return Projection::kCubeColumn;
   throw InputError(
       InputPosition::File(path),
-      fmt::format("{} x {} pixels are neither a lat-long map (2:1) nor an angular map (square) nor "
-                  "a cube cross (4:3, 3:4); say which with --env-projection {}",
-                  width, height, Choices<Projection>()));
+      fmt::format(
+          "{} x {} pixels are neither a lat-long map (2:1) nor an angular map (square) nor "
+          "a cube cross (4:3, 3:4) nor a column of faces (1:6); say which with --env-projection {}",
+          width, height, Choices<Projection>()));
 }
 
 ImagePoint PointOfDirection(Projection projection, const Vector3& d) {

@@ -15,6 +15,8 @@
 //   vertical-cross    3:4; left, front, right in the second row, up above and down below front,
 //                     back below down, upside down, so that it continues where down ends
 //   cube-strip        6:1; right, left, up, down, front, back, each as in horizontal-cross
+//   cube-column       1:6; left, right, up, down, front, back, one below the other, as OpenEXR's
+//                     cube-face maps: up and down are upside down beside those of horizontal-cross
 //   octahedral        square of equal areas (Clarberg 2008) as pbrt-v4 reads it: up in the middle,
 //                     down in the corners, back at the middle of the right edge, left at that of
 //                     the bottom edge: what `imgtool makeequiarea` makes of a lat-long
@@ -36,11 +38,12 @@ inline constexpr auto kEnumNames<Projection> =
                                       {Projection::kHorizontalCross, "horizontal-cross"},
                                       {Projection::kVerticalCross, "vertical-cross"},
                                       {Projection::kCubeStrip, "cube-strip"},
+                                      {Projection::kCubeColumn, "cube-column"},
                                       {Projection::kOctahedral, "octahedral"}});
 
 // Detects a projection by its shape: 2:1 is lat-long, a square is Debevec's angular map, 4:3 a
-// horizontal and 3:4 a vertical cube cross. Throws InputError for any other shape, naming `path`
-// and the flag that decides.
+// horizontal and 3:4 a vertical cube cross, 1:6 a column of faces. Throws InputError for any other
+// shape, naming `path` and the flag that decides.
 Projection DetectProjection(const Image& image, const std::string& path);
 
 struct ImagePoint {

@@ -29,6 +29,7 @@ class Source {
     if (projection == Projection::kHorizontalCross) face_ = image.width / 4;
     if (projection == Projection::kVerticalCross) face_ = image.width / 3;
     if (projection == Projection::kCubeStrip) face_ = image.width / 6;
+    if (projection == Projection::kCubeColumn) face_ = image.width;
   }
 
   // Adds weight * radiance at a point that has light.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "image/primaries.h"
 
 namespace skywave {
 namespace {
@@ -166,34 +167,15 @@ double Planck(double nm, double kelvin) {
 
 glm::vec3 InGamut(const glm::vec3& rgb) { return glm::max(rgb, glm::vec3(0)); }
 
-// A space of colours by the chromaticities of its primaries and of its white.
-struct RgbSpace {
+struct NamedSpace {
   std::string_view name;
-  glm::dvec2 red, green, blue, white;
+  RgbPrimaries primaries;
 };
-const glm::dvec2 kWhiteD65(0.3127, 0.329);
-const RgbSpace kRgbSpaces[] = {
-    {"srgb", {0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, kWhiteD65},
-    {"dci-p3", {0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, kWhiteD65},
-    {"rec2020", {0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65},
-    {"aces2065-1", {0.7347, 0.2653}, {0, 1}, {0.0001, -0.077}, {0.32168, 0.33767}}};
-
-glm::dvec3 XyzOfChromaticity(const glm::dvec2& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
-glm::dmat3 XyzFromRgb(const RgbSpace& space) {
-  const glm::dmat3 primaries(XyzOfChromaticity(space.red), XyzOfChromaticity(space.green),
-                             XyzOfChromaticity(space.blue));
-  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(space.white);
-  return {primaries[0] * gains[0], primaries[1] * gains[1], primaries[2] * gains[2]};
-}
-
-// Returns the XYZ under D65 of what has some XYZ under another white.
-glm::dmat3 AdaptToDaylight(const glm::dvec2& white) {
-  const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
-  const glm::dvec3 gains =
-      cones * XyzOfChromaticity(kWhiteD65) / (cones * XyzOfChromaticity(white));
-  const glm::dmat3 scale(gains[0], 0, 0, 0, gains[1], 0, 0, 0, gains[2]);
-  return glm::inverse(cones) * scale * cones;
-}
+const NamedSpace kRgbSpaces[] = {
+    {"srgb", kRec709},
+    {"dci-p3", {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, kWhiteD65}},
+    {"rec2020", {{0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65}},
+    {"aces2065-1", {{0.7347, 0.2653}, {0, 1}, {0.0001, -0.077}, {0.32168, 0.33767}}}};
 
 struct Illuminant {
   std::string_view name;
@@ -239,6 +221,11 @@ glm::vec3 RgbOfReflectance(SpectrumPairs spectrum) {
 
 glm::vec3 RgbOfEmission(SpectrumPairs spectrum) { return InGamut(RgbFromXyz(Xyz(spectrum))); }
 
+glm::vec3 RgbOfUnitEmission(SpectrumPairs spectrum) {
+  const glm::dvec3 xyz = Xyz(spectrum);
+  return xyz.y > 0 ? InGamut(RgbFromXyz(xyz / xyz.y)) : glm::vec3(0);
+}
+
 glm::vec3 RgbOfBlackbody(float kelvin) {
   const glm::dvec3 xyz = Integrate([&](double nm) { return Planck(nm, kelvin); });
   return InGamut(RgbFromXyz(xyz / xyz.y));
@@ -256,12 +243,12 @@ std::optional<glm::vec3> RgbOfIlluminant(std::string_view name) {
 }
 
 std::optional<RgbConversion> FindRgbSpace(std::string_view name) {
-  for (const RgbSpace& space : kRgbSpaces) {
-    if (space.name != name) continue;
-    const glm::dmat3 rgb_from_xyz = glm::inverse(XyzFromRgb(kRgbSpaces[0]));
+  for (const auto& [known, space] : kRgbSpaces) {
+    if (known != name) continue;
+    const glm::dmat3 rgb_from_xyz = glm::inverse(XyzFromRgb(kRec709));
     const glm::dmat3 xyz_from_rgb = XyzFromRgb(space);
     return RgbConversion{glm::mat3(rgb_from_xyz * xyz_from_rgb),
-                         glm::mat3(rgb_from_xyz * AdaptToDaylight(space.white) * xyz_from_rgb)};
+                         glm::mat3(rgb_from_xyz * AdaptToD65(space.white) * xyz_from_rgb)};
   }
   return std::nullopt;
 }

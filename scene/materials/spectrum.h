@@ -31,6 +31,8 @@ glm::vec3 RgbOfReflectance(SpectrumPairs spectrum);
 
 // Returns the colour of light, without adaptation to a white: the luminance of the constant 1 is 1.
 glm::vec3 RgbOfEmission(SpectrumPairs spectrum);
+// Returns the same with luminance 1; that of darkness is black.
+glm::vec3 RgbOfUnitEmission(SpectrumPairs spectrum);
 
 // Returns the colour of a black body [K], by Planck's law. The first has luminance 1; for the
 // second one the brightest wavelength has 1 (as in pbrt-v3).

@@ -75,7 +75,7 @@ TEST_F(ProbeCommand, InfoDescribesTheMap) {
 TEST_F(ProbeCommand, ConvertingThereAndBackKeepsTheIntegral) {
   const auto before = SphereIntegral(test::SunMap(64, 32, 1000), Projection::kLatLong);
   for (const char* name : {"angular", "mirror-ball", "horizontal-cross", "vertical-cross",
-                           "cube-strip", "octahedral"}) {
+                           "cube-strip", "cube-column", "octahedral"}) {
     ASSERT_EQ(Probe(std::string("convert sun.exr there.exr --to ") + name), 0) << out_;
     ASSERT_EQ(Probe(std::string("convert there.exr back.exr --to latlong --size 64x32 "
                                 "--projection ") +
@@ -407,9 +407,9 @@ TEST_F(ProbeCommand, ASizeIsTheSideOfASquareOrAFace) {
   const struct {
     const char* to;
     int width, height;
-  } cases[] = {{"latlong", 40, 20},    {"angular", 20, 20},          {"mirror-ball", 20, 20},
-               {"octahedral", 20, 20}, {"horizontal-cross", 80, 60}, {"vertical-cross", 60, 80},
-               {"cube-strip", 120, 20}};
+  } cases[] = {{"latlong", 40, 20},     {"angular", 20, 20},          {"mirror-ball", 20, 20},
+               {"octahedral", 20, 20},  {"horizontal-cross", 80, 60}, {"vertical-cross", 60, 80},
+               {"cube-strip", 120, 20}, {"cube-column", 20, 120}};
   for (const auto& map : cases) {
     ASSERT_EQ(Probe(std::string("convert sun.exr o.exr --size 20 --to ") + map.to), 0) << out_;
     const Image image = ReadImage(File("o.exr"));

@@ -217,13 +217,13 @@ TEST_F(BadInput, ErrorsSayWhereInTheFile) {
 TEST_F(BadInput, TextWithoutAHeaderIsRefused) {
   const std::string pixels(4 * 8 * 4, '\x40');
   for (const char* const header :
-       {"#?RADIANC\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", "#?RADIANCE\n\n-Y 4 +X 8\n",
-        "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n",
+       {"#RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", "#?RADIANCE\n\n-Y 4 +X 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_abce\n\n-Y 4 +X 8\n",
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 -Y 8\n",
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X\n",
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n*Y 4 +X 8\n",
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4x +X 8\n",
-        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8 \n", "PX\n4 8\n-1\n", "PF\n4 8\n0\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8 9\n", "PX\n4 8\n-1\n", "PF\n4 8\n0\n",
         "PF\n4 8\nnan\n", "PF\n4 8\n-1x\n", "PF\n4\n\n8 -1\n", "P6\n4 8\n255\n",
         "\x89PNG\r\n\x1a\n"}) {
     EXPECT_FALSE(Reads(header + pixels)) << header;

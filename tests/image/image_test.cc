@@ -268,21 +268,10 @@ TEST_F(ImageFiles, ExrWithoutColoursIsRefused) {
   const Image image = Numbered(9, 5);
   for (const ExrChannels& channels :
        {ExrChannels{{"R", Imf::FLOAT}, {"G", Imf::FLOAT}}, ExrChannels{{"left.R", Imf::FLOAT}},
-        ExrChannels{{"Y", Imf::FLOAT}, {"RY", Imf::FLOAT}, {"BY", Imf::FLOAT}}}) {
+        ExrChannels{{"RY", Imf::FLOAT}, {"BY", Imf::FLOAT}}}) {
     WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image, channels);
     EXPECT_THROW(ReadImage(Path("a.exr")), InputError);
   }
-}
-
-TEST_F(ImageFiles, ExrDataWindowIsThePicture) {
-  const Image image = Numbered(9, 5);
-  Imf::Header header(Imath::Box2i({0, 0}, {99, 49}), Imath::Box2i({-3, 20}, {5, 24}));
-  WriteExrKind(Path("a.exr"), header, image);
-  ExpectSame(ReadImage(Path("a.exr")), image);
-  header.lineOrder() = Imf::DECREASING_Y;
-  header.compression() = Imf::NO_COMPRESSION;
-  WriteExrKind(Path("b.exr"), header, image);
-  ExpectSame(ReadImage(Path("b.exr")), image);
 }
 
 TEST_F(ImageFiles, ExrTilesOfEveryLevelMode) {
@@ -309,14 +298,15 @@ TEST_F(ImageFiles, PfmInBothByteOrdersAndGrey) {
   const std::string little("\0\0\x80\x3f\0\0\0\x40", 8);  // 1, 2
   const std::string big("\x3f\x80\0\0\x40\0\0\0", 8);
   for (const std::string& file :
-       {"Pf 1 2 -1.0\n" + little, "Pf\n1 2\n1\n" + big, "Pf\n1\t2\n0.5e-3\n" + big}) {
+       {"Pf 1 2 -1.0\n" + little, "Pf\n1 2\n1\n" + big, "Pf\n1\t2\n1e0\n" + big}) {
     const Image image = ReadImage(Put("a.pfm", file));
     ASSERT_EQ(image.width, 1);
     ASSERT_EQ(image.height, 2);
     EXPECT_EQ(image.rgb, (std::vector<float>{2, 2, 2, 1, 1, 1}));
   }
   const std::string colour("\x3f\x80\0\0\x40\0\0\0\xc0\0\0\0", 12);
-  EXPECT_EQ(ReadImage(Put("b.pfm", "PF 1 1 2.5e3\n" + colour)).rgb, (std::vector<float>{1, 2, -2}));
+  EXPECT_EQ(ReadImage(Put("b.pfm", "PF 1 1 2.5e3\n" + colour)).rgb,
+            (std::vector<float>{2500, 5000, -5000}));
 }
 
 TEST_F(ImageFiles, RgbeIsExactForRepresentableValues) {
@@ -372,11 +362,11 @@ TEST_F(ImageFiles, RgbeClampsValuesOutOfRange) {
 }
 
 std::string RgbeFile(const std::string& resolution, const std::string& pixels) {
-  return "#?RGBE\n# comment\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n" + resolution + "\n" + pixels;
+  return "#?RGBE\n# comment\nGAMMA=2\nFORMAT=32-bit_rle_rgbe\n\n" + resolution + "\n" + pixels;
 }
 
 TEST_F(ImageFiles, RgbeDecodesAsDocumented) {
-  // Exposure is not applied; mantissas are neither rounded nor shifted by half a step.
+  // Gamma is not applied; mantissas are neither rounded nor shifted by half a step.
   const Image image = ReadImage(
       Put("a.hdr", RgbeFile("-Y 1 +X 2", "\x80\x01\xff\x88\x80\x80\x80" + std::string(1, '\0'))));
   EXPECT_EQ(image.rgb, (std::vector<float>{128, 1, 255, 0, 0, 0}));

@@ -48,8 +48,14 @@ TEST(RepairRadiance, CountsPixelsByTheirWorstChannel) {
   EXPECT_EQ(bad.infinite, 1u);
   EXPECT_EQ(bad.negative, 1u);
   EXPECT_EQ(bad.total(), 4u);
-  EXPECT_EQ(image.rgb, (std::vector<float>{0, 0, 0, 1, 0, 0, 2, 0, 3, 4, 5, 6, 0, 0, 0, 1, 2, 0}));
+  EXPECT_EQ(image.rgb,
+            (std::vector<float>{0, 65504, 0, 1, 0, 0, 2, 0, 3, 4, 5, 6, 0, 0, 0, 1, 2, 0}));
   EXPECT_EQ(RepairRadiance(image).total(), 0u);
+  // Light brighter than a file can hold is as bright as the brightest that it holds.
+  Image sun(2, 1);
+  sun.rgb = {kInf, 1, 2, 1e6f, 3, 4};
+  EXPECT_EQ(RepairRadiance(sun).infinite, 1u);
+  EXPECT_EQ(sun.rgb[0], 1e6f);
 }
 
 TEST(ToneMap, ClippedValuesFollowSrgb) {

@@ -42,7 +42,7 @@ TEST(Projections, NamesAndValuesBelongTogether) {
     EXPECT_EQ(int(projection), index++);
     EXPECT_EQ(Parse<Projection>(ToString(projection)), projection);
   }
-  EXPECT_EQ(index, 7);
+  EXPECT_EQ(index, 8);
   EXPECT_FALSE(Parse<Projection>("latlon"));
 }
 
@@ -115,6 +115,8 @@ TEST(Projections, AxesLandAtTheDocumentedPlaces) {
         {.5, 2.5 / 4}}},
       {Projection::kCubeStrip,
        {{.5 / 6, .5}, {1.5 / 6, .5}, {4.5 / 6, .5}, {5.5 / 6, .5}, {2.5 / 6, .5}, {3.5 / 6, .5}}},
+      {Projection::kCubeColumn,
+       {{.5, 1.5 / 6}, {.5, .5 / 6}, {.5, 4.5 / 6}, {.5, 5.5 / 6}, {.5, 2.5 / 6}, {.5, 3.5 / 6}}},
       {Projection::kOctahedral, {{.5, 0}, {.5, 1}, {0, .5}, {1, .5}, {.5, .5}, {0, 0}}},
   };
   for (const Expected& expected : table) {
@@ -180,6 +182,29 @@ TEST(Projections, OctahedralIsWhatPbrtMakesOfALatLong) {
   }
 }
 
+// OpenEXR's cube has x to the left, y up and z forward. Its file has +x first, whose columns grow
+// with z and whose rows fall with y; those of +y have x to the right and z up, and those of -y have
+// z down (ImfEnvmap.h, CubeMap).
+TEST(Projections, ColumnsOfFacesAreThoseOfOpenExr) {
+  struct Point {
+    Vector3 openexr;
+    double u, v;  // within the face
+    int face;     // from the top
+  };
+  const double a = 0.5, b = 0.25;
+  for (const Point& p : {Point{{1, b, a}, 0.75, 0.375, 0},
+                         {{-1, b, a}, 0.25, 0.375, 1},
+                         {{a, 1, b}, 0.75, 0.375, 2},
+                         {{a, -1, b}, 0.75, 0.625, 3},
+                         {{a, b, 1}, 0.25, 0.375, 4},
+                         {{a, b, -1}, 0.75, 0.375, 5}}) {
+    const Vector3 d = {-p.openexr.x, p.openexr.z, p.openexr.y};
+    const ImagePoint at = PointOfDirection(Projection::kCubeColumn, (1 / Length(d)) * d);
+    EXPECT_NEAR(at.u, p.u, 1e-12) << p.face;
+    EXPECT_NEAR(at.v, (p.face + p.v) / 6, 1e-12) << p.face;
+  }
+}
+
 TEST(Projections, PixelsAddUpToTheSphere) {
   for (Projection projection : ValuesOf<Projection>()) {
     for (int scale : {1, 2, 7}) {
@@ -187,6 +212,7 @@ TEST(Projections, PixelsAddUpToTheSphere) {
       if (projection == Projection::kHorizontalCross) height = width / 4 * 3;
       if (projection == Projection::kVerticalCross) height = width / 3 * 4;
       if (projection == Projection::kCubeStrip) height = width / 6;
+      if (projection == Projection::kCubeColumn) height = 6 * width;
       double sum = 0;
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) sum += PixelSolidAngle(projection, width, height, x, y);
@@ -338,6 +364,7 @@ TEST(Resample, OddSizesAndSinglePixelsKeepLight) {
         if (to == Projection::kHorizontalCross) width = 4 * size, height = 3 * size;
         if (to == Projection::kVerticalCross) width = 3 * size, height = 4 * size;
         if (to == Projection::kCubeStrip) width = 6 * size, height = size;
+        if (to == Projection::kCubeColumn) width = size, height = 6 * size;
         const Image result = Resample(map.image, Projection::kLatLong, to, width, height);
         const auto kept = SphereIntegral(result, to);
         for (int c = 0; c < 3; ++c) {

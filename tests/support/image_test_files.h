@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "image/image.h"
 
@@ -45,6 +46,17 @@ class ImageFiles : public testing::Test {
  private:
   std::string folder_;
 };
+
+// Checks that `read` throws an InputError whose message has `word`.
+template <class Read>
+void ExpectUnreadable(const Read& read, const std::string& word) {
+  try {
+    read();
+    ADD_FAILURE() << "not refused: " << word;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+  }
+}
 
 // Returns a picture without symmetries, exactly representable in all formats and as integers.
 inline Image Numbered(int width, int height) {

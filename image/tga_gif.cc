@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -7,11 +6,10 @@
 #include "image/byte_cursor.h"
 #include "image/formats.h"
 
-// stb_image decodes all three. It is compiled here, and nobody else sees its names.
+// stb_image decodes both. It is compiled here, and nobody else sees its names.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_TGA
-#define STBI_ONLY_BMP
 #define STBI_ONLY_GIF
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
@@ -71,34 +69,25 @@ Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
   return FromRgba(columns, rows, rgba.get(), encoding);
 }
 
-std::int64_t U16(ByteCursor& cursor) {
-  const std::int64_t low = cursor.U8("the header");
-  return low | std::int64_t(cursor.U8("the header")) << 8;
-}
-
 }  // namespace
 
 Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits) {
-  constexpr std::size_t kSize = 12;  // offset of the width [bytes]
+  constexpr std::size_t kSize = 12;        // offset of the width [bytes]
+  constexpr std::uint8_t kFromRight = 16;  // a bit of the last byte of the header
   ByteCursor cursor(path, bytes);
   cursor.Take(kSize, "the header");
-  const std::int64_t width = U16(cursor), height = U16(cursor);
-  return DecodeByStb("TGA", width, height, path, bytes, encoding, limits);
-}
-
-// The rows of a BMP go from the bottom if the height is positive. Its oldest headers, of 12 bytes,
-// have short sizes.
-Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
-  constexpr std::size_t kHeader = 14;
-  constexpr std::uint32_t kOldest = 12;
-  ByteCursor cursor(path, bytes);
-  cursor.Take(kHeader, "the header");
-  const bool oldest = cursor.U32("the header") == kOldest;
-  const std::int64_t width = oldest ? U16(cursor) : cursor.I32("the header");
-  const std::int64_t height = oldest ? U16(cursor) : cursor.I32("the header");
-  return DecodeByStb("BMP", width, std::abs(height), path, bytes, encoding, limits);
+  const std::int64_t width = cursor.U16("the header"), height = cursor.U16("the header");
+  cursor.Take(1, "the header");
+  const bool from_right = (cursor.U8("the header") & kFromRight) != 0;
+  Image image = DecodeByStb("TGA", width, height, path, bytes, encoding, limits);
+  for (int y = 0; from_right && y < image.height; ++y) {  // stb_image takes them from the left
+    for (int x = 0; x < image.width / 2; ++x) {
+      std::swap_ranges(image.Pixel(x, y), image.Pixel(x, y) + 3,
+                       image.Pixel(image.width - 1 - x, y));
+    }
+  }
+  return image;
 }
 
 Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
@@ -106,7 +95,7 @@ Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encodi
   constexpr std::size_t kSize = 6;  // offset of the width [bytes]
   ByteCursor cursor(path, bytes);
   cursor.Take(kSize, "the header");
-  const std::int64_t width = U16(cursor), height = U16(cursor);
+  const std::int64_t width = cursor.U16("the header"), height = cursor.U16("the header");
   return DecodeByStb("GIF", width, height, path, bytes, encoding, limits);
 }
 

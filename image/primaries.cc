@@ -1,0 +1,64 @@
+#include "image/primaries.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace skywave {
+namespace {
+
+glm::dvec3 XyzOfChromaticity(const glm::dvec2& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
+
+glm::dmat3 PrimariesAsXyz(const RgbPrimaries& p) {
+  return {XyzOfChromaticity(p.red), XyzOfChromaticity(p.green), XyzOfChromaticity(p.blue)};
+}
+
+}  // namespace
+
+bool IsRgbSpace(const RgbPrimaries& p) {
+  for (const glm::dvec2& c : {p.red, p.green, p.blue, p.white}) {
+    if (!std::isfinite(c.x) || !std::isfinite(c.y) || c.y == 0) return false;
+  }
+  if (!(p.white.y > 0)) return false;
+  const glm::dmat3 primaries = PrimariesAsXyz(p);
+  if (!(std::abs(glm::determinant(primaries)) > 1e-9)) return false;
+  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(p.white);
+  return std::isfinite(gains.x + gains.y + gains.z);
+}
+
+glm::dmat3 XyzFromRgb(const RgbPrimaries& p) {
+  const glm::dmat3 primaries = PrimariesAsXyz(p);
+  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(p.white);
+  return {primaries[0] * gains[0], primaries[1] * gains[1], primaries[2] * gains[2]};
+}
+
+glm::dmat3 AdaptToD65(const glm::dvec2& white) {
+  const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
+  const glm::dvec3 gains =
+      cones * XyzOfChromaticity(kWhiteD65) / (cones * XyzOfChromaticity(white));
+  const glm::dmat3 scale(gains[0], 0, 0, 0, gains[1], 0, 0, 0, gains[2]);
+  return glm::inverse(cones) * scale * cones;
+}
+
+void ConvertToRec709(const RgbPrimaries& p, Image& image) {
+  constexpr double kSame = 1e-3;
+  const double apart[] = {glm::distance(p.red, kRec709.red), glm::distance(p.green, kRec709.green),
+                          glm::distance(p.blue, kRec709.blue),
+                          glm::distance(p.white, kRec709.white)};
+  if (*std::max_element(std::begin(apart), std::end(apart)) < kSame) return;
+  ConvertColors(glm::inverse(XyzFromRgb(kRec709)) * AdaptToD65(p.white) * XyzFromRgb(p), image);
+}
+
+void ConvertColors(const glm::dmat3& matrix, Image& image) {
+  tbb::parallel_for(0, image.height, [&](int y) {
+    for (int x = 0; x < image.width; ++x) {
+      float* const pixel = image.Pixel(x, y);
+      const glm::vec3 color(matrix * glm::dvec3(pixel[0], pixel[1], pixel[2]));
+      pixel[0] = color.x, pixel[1] = color.y, pixel[2] = color.z;
+    }
+  });
+}
+
+}  // namespace skywave

@@ -1,0 +1,30 @@
+// What the red, green and blue of a file are: the chromaticities of its primaries and of its white.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "image/image.h"
+
+namespace skywave {
+
+struct RgbPrimaries {
+  glm::dvec2 red, green, blue, white;  // CIE 1931 x, y
+};
+inline constexpr glm::dvec2 kWhiteD65(0.3127, 0.329);
+inline constexpr RgbPrimaries kRec709 = {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, kWhiteD65};
+
+// Returns whether the chromaticities make a space: none is 0 below, and no colour is of the others.
+bool IsRgbSpace(const RgbPrimaries& primaries);
+
+// Returns the XYZ of the colours of a space, whose white has Y = 1.
+glm::dmat3 XyzFromRgb(const RgbPrimaries& primaries);
+// Returns the XYZ under D65 of what has some XYZ under another white (Bradford's method, Lam 1985).
+glm::dmat3 AdaptToD65(const glm::dvec2& white);
+
+// Converts a picture of such colours to linear Rec. 709, where its white stays white. Does nothing
+// if it is in that space already, to 0.001.
+void ConvertToRec709(const RgbPrimaries& primaries, Image& image);
+// Applies a matrix to every pixel.
+void ConvertColors(const glm::dmat3& matrix, Image& image);
+
+}  // namespace skywave
