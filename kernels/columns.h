@@ -40,7 +40,9 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(CoatedConductor)           \
   BSDF(CoatedDiffuse)             \
   BSDF(Measured)                  \
-  BSDF(RoughThinDielectric)
+  BSDF(RoughThinDielectric)       \
+  BSDF(GlossyDiffuse)             \
+  BSDF(FresnelBlend)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \
@@ -274,7 +276,7 @@ enum class MaterialField : std::uint32_t {
   // own file.
   kAlphaAcross = kIor,  // anisotropic BSDFs: width across the tangent; alpha is that along it
   kMetallic = kEta,     // metallic-roughness: share of metal
-  kSecondTexture = kRoughnessTexture,  // diffuse transmission: that of the transmitted share
+  kSecondTexture = kRoughnessTexture,  // that of the second colour
   // BSDFs with a table of their coat (kernels/bsdf/coat_tables.h): its index, its width, and
   // whether its medium makes it coloured.
   kCoatTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
@@ -285,6 +287,7 @@ enum class MaterialField : std::uint32_t {
   kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
+  kGloss = kEta,       // a body and a gloss: colour of the gloss
   kReflection = kEta,  // dielectrics: that of Material, 0 where it is unset
   kAbsorption = kK     // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
 };

@@ -63,10 +63,7 @@ inline constexpr BsdfTraits DiffuseTransmissionTraits = {
     .transmits = true,
     .parameters = {{"second_color", "transmittance"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PutField(r, HWY_NAMESPACE::DiffuseTransmission::kTransmitted, m.second_color);
-      if (const auto& texture = m.second_color_texture) {
-        PutField(r, MaterialField::kSecondTexture, *texture + 1);
-      }
+      PackSecondColor(m, HWY_NAMESPACE::DiffuseTransmission::kTransmitted, r);
     }};
 SKYWAVE_BSDF_TABLE(DiffuseTransmission)
 

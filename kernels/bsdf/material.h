@@ -62,9 +62,10 @@ struct Material {
   float alpha = 0.1f;
   // Anisotropic conductors, rough dielectrics, Ward: the width across the tangent; unset: alpha.
   std::optional<float> alpha_across;
-  float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
+  // Dielectric, glossy-diffuse: index inside (where the normal points away) / outside.
+  float ior = 1.5f;
   float metallic = 0;  // metallic-roughness: share of metal
-  // Diffuse transmission: the transmitted share; Phong: the gloss.
+  // Diffuse transmission: the transmitted share; Phong, glossy-diffuse, Fresnel-blend: the gloss.
   glm::vec3 second_color{0.0f};
   // Coated conductor (strength 1; `ior` is the coat's), coated metallic-roughness (index 1.5).
   float coat = 1, coat_alpha = 1e-3f;
@@ -90,7 +91,7 @@ struct Material {
   // square roots of alpha (green) and of alpha_across, or of coat_alpha of coated conductors (red),
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
-  std::optional<std::uint32_t> second_color_texture;  // diffuse transmission: a factor of its share
+  std::optional<std::uint32_t> second_color_texture;  // a factor of the second colour (not Phong's)
   // The share of the surface that exists is this number times the texture. With a cutoff the
   // surface exists where that product reaches it, and nowhere else.
   float opacity = 1;

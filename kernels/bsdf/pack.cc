@@ -78,6 +78,18 @@ void PackWidths(const Material& material, MaterialRecord& record) {
   PutField(record, MaterialField::kAlphaAcross, MicrofacetWidth(across));
 }
 
+void PackSecondColor(const Material& material, MaterialField field, MaterialRecord& record) {
+  PutField(record, field, material.second_color);
+  if (const auto& texture = material.second_color_texture) {
+    PutField(record, MaterialField::kSecondTexture, *texture + 1);
+  }
+}
+
+void PackBodyAndGloss(const Material& material, MaterialRecord& record) {
+  PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
+  PackSecondColor(material, MaterialField::kGloss, record);
+}
+
 void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
   PackAlpha(material, record);
   PutField(record, MaterialField::kMetallic, material.metallic);

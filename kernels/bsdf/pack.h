@@ -33,6 +33,10 @@ void PackMultiscatter(const Material& material, MaterialRecord& record, const Mu
 void PackConductor(const Material& material, MaterialRecord& record);
 // alpha and alpha_across of anisotropic facets;
 void PackWidths(const Material& material, MaterialRecord& record);
+// the second colour, which is `field`, and its texture;
+void PackSecondColor(const Material& material, MaterialField field, MaterialRecord& record);
+// alpha and the second colour of a body and a gloss;
+void PackBodyAndGloss(const Material& material, MaterialRecord& record);
 // alpha, its texture, metallic and ior of metallic-roughness.
 void PackMetallicRoughness(const Material& material, MaterialRecord& record);
 

@@ -16,8 +16,6 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Phong {
-  static constexpr MaterialField kGloss = kEta;
-
   HWY_INLINE Phong(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         diffuse(ColorOf(s, i)),
@@ -66,7 +64,7 @@ inline constexpr BsdfTraits PhongTraits = {
     .parameters = {{"alpha"}, {"second_color", "gloss"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
-      PutField(r, HWY_NAMESPACE::Phong::kGloss, m.second_color);
+      PutField(r, MaterialField::kGloss, m.second_color);
     }};
 SKYWAVE_BSDF_TABLE(Phong)
 

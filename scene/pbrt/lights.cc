@@ -22,9 +22,9 @@ constexpr double kPi = glm::pi<double>();
 // Returns the colour `name` (default 1) times "scale", which is a number in pbrt-v4 and a colour in
 // pbrt-v3.
 glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_view name) {
-  glm::vec3 emission =
-      FindColor(parameters, name, reader.color_textures, reader.warnings, SpectrumUse::kEmission)
-          .value_or(glm::vec3(1));
+  const SpectrumUse use = reader.v3 ? SpectrumUse::kEmission : SpectrumUse::kUnitEmission;
+  glm::vec3 emission = FindColor(parameters, name, reader.color_textures, reader.warnings, use)
+                           .value_or(glm::vec3(1));
   if (Find(parameters, {"float"}, "scale")) {
     emission *= *FindFloat(parameters, "scale");
   } else if (const auto scale =

@@ -7,82 +7,21 @@
 #include <cmath>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
 #include "scene/materials/spectrum.h"
+#include "scene/pbrt/material_parameters.h"
 #include "scene/pbrt/state.h"
+#include "scene/pbrt/surface_maps.h"
 
 namespace skywave {
 namespace {
 
-struct Context {
-  PbrtParameters& parameters;
-  PbrtReader& reader;
-  Warnings& warnings = reader.warnings;
-};
+using Context = PbrtMaterialContext;
 
-void Warn(Context& context, std::string_view text) {
-  AddWarning(context.warnings, context.parameters.position,
-             fmt::format("{}: {}", context.parameters.directive, text));
-}
-
-// Returns a colour that is a fraction of light, clamped to [0, 1] with a warning if that changes
-// it.
-std::optional<glm::vec3> FindFraction(Context& context, std::string_view name) {
-  const auto color =
-      FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
-  if (!color) return std::nullopt;
-  const glm::vec3 clamped = glm::clamp(*color, 0.0f, 1.0f);
-  if (clamped != *color) {
-    AddWarning(context.warnings, context.parameters.position,
-               fmt::format("{}: \"{}\" is clamped to [0, 1]", context.parameters.directive, name));
-  }
-  return clamped;
-}
-
-// Returns the first of several alternative names (v4 and v3) that is given.
-glm::vec3 FractionOr(Context& context, std::initializer_list<std::string_view> names,
-                     const glm::vec3& fallback) {
-  for (const std::string_view name : names) {
-    if (const auto color = FindFraction(context, name)) return *color;
-  }
-  return fallback;
-}
-
-// Returns a float, or a texture of one value.
-std::optional<float> FindScalar(Context& context, std::string_view name) {
-  const auto color =
-      FindColor(context.parameters, name, context.reader.float_textures, context.warnings);
-  if (!color) return std::nullopt;
-  return color->x;
-}
-
-// Sets the reflectance to the first of `names` (v4 and v3) that is given times `scale`, with its
-// image if it has one.
-void SetReflectance(Context& context, std::initializer_list<std::string_view> names, float fallback,
-                    Material& material, float scale = 1) {
-  for (const std::string_view name : names) {
-    const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
-    if (!texture) continue;
-    PbrtTexture scaled = *texture;
-    scaled.value = scale * glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
-    const PbrtTexture fraction = ClampedPbrtTexture(context.reader, scaled);
-    material.reflectance = *fraction.value;
-    material.color_texture = fraction.image;
-    return;
-  }
-  for (const std::string_view name : names) {
-    const auto solid = FindSolidTexture(context.parameters, name, context.reader.color_textures);
-    if (!solid) continue;
-    context.reader.solids.push_back(
-        {.use = PbrtSolidUse::kReflectance, .value = solid->solid, .fallback = fallback});
-    material.reflectance = glm::vec3(scale);
-    return;
-  }
-  material.reflectance = scale * FractionOr(context, names, glm::vec3(fallback));
-}
 void SetDiffuse(Context& context, float fallback, Material& material, float scale = 1) {
   SetReflectance(context, {"reflectance", "Kd"}, fallback, material, scale);
 }
@@ -116,6 +55,26 @@ Material Matte(Context& context) {
   return material;
 }
 
+// Returns a material whose BSDF is the sum of those of two others: a hit has either of them, of
+// which each has twice its colours.
+Material Sum(Context& context, const Material& first, const Material& second) {
+  std::vector<Material>& materials = context.reader.scene.materials;
+  for (Material part : {first, second}) {
+    part.name = fmt::format("{}, part", context.parameters.directive);
+    part.reflectance *= 2, part.second_color *= 2;
+    if (part.reflection) *part.reflection *= 2;
+    materials.push_back(part);
+  }
+  const auto end = std::uint32_t(materials.size());
+  // What varies in space is read for the first part.
+  if (auto& solids = context.reader.solids; !solids.empty()) {
+    context.reader.solid_materials.emplace(end - 2, std::exchange(solids, {}));
+  }
+  Material sum;
+  sum.mixture = {end - 2, end - 1, 0.5f};
+  return sum;
+}
+
 // Returns the largest value of each channel of a texture, or 1 without one.
 glm::vec3 Brightest(const Context& context, const std::optional<std::uint32_t>& texture) {
   if (!texture) return glm::vec3(1);
@@ -137,17 +96,7 @@ Material DiffuseTransmission(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
   SetDiffuse(context, 0.25f, material, scale);
-  if (const auto image =
-          FindImageTexture(context.parameters, "transmittance", context.reader.color_textures)) {
-    const PbrtTexture fraction = ClampedPbrtTexture(
-        context.reader,
-        {.value = scale * glm::max(image->value.value_or(glm::vec3(1)), glm::vec3(0)),
-         .image = image->image});
-    material.second_color = *fraction.value;
-    material.second_color_texture = fraction.image;
-  } else {
-    material.second_color = FractionOr(context, {"transmittance"}, glm::vec3(0.25f)) * scale;
-  }
+  SetSecondColor(context, "transmittance", 0.25f, material, scale);
   const glm::vec3 sum = material.reflectance * Brightest(context, material.color_texture) +
                         material.second_color * Brightest(context, material.second_color_texture);
   const float largest = std::max({sum.x, sum.y, sum.z});
@@ -155,20 +104,6 @@ Material DiffuseTransmission(Context& context) {
     Warn(context, "reflectance and transmittance exceed 1 in sum: both are scaled down");
     material.reflectance /= largest, material.second_color /= largest;
   }
-  return material;
-}
-
-// In pbrt-v3, Kd applies to both sides, each times its fraction of the light.
-Material Translucent(Context& context) {
-  Material material;
-  material.bsdf = BsdfKind::kDiffuseTransmission;
-  SetDiffuse(context, 0.25f, material);
-  const glm::vec3 body = material.reflectance;
-  material.reflectance = body * FractionOr(context, {"reflect"}, glm::vec3(0.5f));
-  material.second_color = body * FractionOr(context, {"transmit"}, glm::vec3(0.5f));
-  FindScalar(context, "roughness"), FindFraction(context, "Ks");
-  FindBool(context.parameters, "remaproughness");
-  Warn(context, "rendered without its gloss");
   return material;
 }
 
@@ -219,140 +154,6 @@ glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std:
                      fmt::format("{}: \"{}\" is negative", context.parameters.directive, name));
   }
   return color.value_or(pick(fallback));
-}
-
-// Converts pbrt's roughness to a GGX width. pbrt-v3 remaps by a polynomial in log(roughness),
-// pbrt-v4 by a square root.
-float AlphaFromRoughness(float roughness, bool remap, bool v4) {
-  if (!remap) return roughness;
-  if (v4) return std::sqrt(roughness);
-  const float x = std::log(std::max(roughness, 1e-3f));
-  return 1.62142f + x * (0.819955f + x * (0.1734f + x * (0.0171201f + x * 0.000640711f)));
-}
-
-// pbrt uses the same threshold between rough and specular, and the same least width of a rough
-// surface, which may be smooth in one direction.
-constexpr float kSmoothWidth = 1e-3f, kLeastWidth = 1e-4f;
-
-// GGX widths along and across the direction of increasing u. The names in v4's coatedconductor and
-// coateddiffuse begin with "conductor." or "interface.".
-struct Widths {
-  float along, across;
-  // A texture of both (Material::roughness_texture); the widths are 1 then.
-  std::optional<std::uint32_t> texture = std::nullopt;
-  std::optional<PbrtSolidParameter> solid = std::nullopt;  // likewise if they vary in space
-  bool texture_of_two = false;                             // it differs along and across
-  bool two() const { return along != across || texture_of_two; }
-  bool smooth() const { return std::max(along, across) < kSmoothWidth; }
-  float mean() const {
-    if (smooth()) return std::sqrt(along * across);
-    return std::sqrt(std::max(along, kLeastWidth) * std::max(across, kLeastWidth));
-  }
-};
-
-// Returns whether a parameter has an image, or varies in space.
-bool Varies(Context& context, const std::string& name) {
-  const PbrtTextures& textures = context.reader.float_textures;
-  return FindImageTexture(context.parameters, name, textures) ||
-         FindSolidTexture(context.parameters, name, textures);
-}
-
-Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
-  const float roughness = Varies(context, prefix + "roughness")
-                              ? fallback
-                              : FindScalar(context, prefix + "roughness").value_or(fallback);
-  const float u = FindScalar(context, prefix + "uroughness").value_or(roughness);
-  const float v = FindScalar(context, prefix + "vroughness").value_or(roughness);
-  if (!(u >= 0 && v >= 0)) {
-    throw InputError(context.parameters.position,
-                     context.parameters.directive + ": roughness is negative");
-  }
-  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
-  return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
-}
-
-// Returns whether the roughness along u or v, which override that of both, varies.
-bool RoughnessVaries(Context& context, const std::string& prefix) {
-  const auto varies = [&](const char* name) {
-    const bool given = Find(context.parameters, {"float", "texture"}, prefix + name) != nullptr;
-    return Varies(context, prefix + (given ? name : "roughness"));
-  };
-  return varies("uroughness") || varies("vroughness");
-}
-
-// The roughness along u and along v, each a number or a texture.
-struct Roughness {
-  PbrtTexture along, across;
-  bool two() const { return !SamePbrtTexture(along, across); }
-};
-// Roughness along u and v overrides that of both.
-Roughness FindRoughness(Context& context, const std::string& prefix, float fallback) {
-  const auto find = [&](const char* name) -> std::optional<PbrtTexture> {
-    const std::string full = prefix + name;
-    const PbrtTextures& textures = context.reader.float_textures;
-    if (auto image = FindImageTexture(context.parameters, full, textures)) return image;
-    if (auto solid = FindSolidTexture(context.parameters, full, textures)) return solid;
-    const auto value = FindScalar(context, full);
-    if (!value) return std::nullopt;
-    return PbrtTexture{.value = glm::vec3(*value)};
-  };
-  const PbrtTexture both = find("roughness").value_or(PbrtTexture{.value = glm::vec3(fallback)});
-  return {find("uroughness").value_or(both), find("vroughness").value_or(both)};
-}
-
-// Returns widths that vary: `pack` makes a texel of Material::roughness_texture of the alphas of
-// `roughness`. Where the textures cannot be combined, the widths are those of `fallback`.
-Widths VariedWidths(Context& context, const std::vector<PbrtTexture>& roughness, float fallback,
-                    bool v4, const PackAlphas& pack) {
-  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
-  const auto alpha_of = [remap, v4](float value) { return AlphaFromRoughness(value, remap, v4); };
-  const PbrtTexture packed =
-      PbrtAlphaTexture(context.reader, context.parameters, roughness, alpha_of, pack);
-  const float alpha = alpha_of(fallback);
-  if (packed.image) return {.along = 1, .across = 1, .texture = packed.image};
-  if (!packed.solid) return {alpha, alpha};
-  return {.along = 1,
-          .across = 1,
-          .solid = PbrtSolidParameter{.use = PbrtSolidUse::kRoughness,
-                                      .value = packed.solid,
-                                      .fallback = std::max(alpha, 1e-3f)}};
-}
-
-// Returns the square root of the geometric mean of two alphas.
-float RootOfMean(float along, float across) { return std::sqrt(std::sqrt(along * across)); }
-
-// Returns the widths of a material whose roughness may vary.
-Widths FindVariedWidths(Context& context, float fallback, bool v4) {
-  if (!RoughnessVaries(context, "")) return FindWidths(context, "", fallback, v4);
-  const Roughness roughness = FindRoughness(context, "", fallback);
-  Widths widths = VariedWidths(context, {roughness.along, roughness.across}, fallback, v4,
-                               [](std::span<const float> alphas) {
-                                 const float root = RootOfMean(alphas[0], alphas[1]);
-                                 if (alphas[0] == alphas[1]) return glm::vec3(root);
-                                 return glm::vec3(std::sqrt(alphas[1]), std::sqrt(alphas[0]), root);
-                               });
-  widths.texture_of_two = (widths.texture || widths.solid) && roughness.two();
-  return widths;
-}
-
-// Returns one width for materials without an anisotropic kernel.
-float OneWidth(Context& context, const Widths& widths) {
-  if (widths.along != widths.across) {
-    Warn(context, fmt::format("anisotropic roughness is not supported here: rendered with the "
-                              "geometric mean, alpha {:.3g}",
-                              widths.mean()));
-  }
-  return widths.mean();
-}
-
-// Gives a coat the widths of its textures; `rounded` says that they differed along u and v.
-void SetVariedWidths(Context& context, const Widths& widths, bool rounded, Material& material) {
-  if (rounded) {
-    Warn(context, "anisotropic roughness is not supported here: rendered with the geometric mean");
-  }
-  material.alpha = material.coat_alpha = widths.along;
-  material.roughness_texture = widths.texture;
-  if (widths.solid) context.reader.solids.push_back(*widths.solid);
 }
 
 // Sets the index of a conductor, or the image of its reflectance; `prefix` begins the names of the
@@ -463,23 +264,6 @@ Material CoatedDiffuse(Context& context) {
   return material;
 }
 
-// A diffuse body under a dielectric coat. Version 3 has three such materials, which weight the coat
-// and its transmission differently; here the index alone determines both. They have different
-// colours by default.
-Material Coated(Context& context, float fallback) {
-  PbrtParameters& parameters = context.parameters;
-  Material material;
-  material.bsdf = BsdfKind::kMetallicRoughness;
-  SetDiffuse(context, fallback, material);
-  material.alpha = FindWidths(context, "", 0.1f, false).mean();
-  material.ior = DielectricIndex(context, {"eta", "index"});
-  FindFraction(context, "Ks");
-  AddWarning(context.warnings, parameters.position,
-             fmt::format("{} is approximated by a diffuse body under a coat of index {:.4g}",
-                         parameters.directive, material.ior));
-  return material;
-}
-
 struct NamedGlass {
   std::string_view name;
   float ior;  // at kIndexWavelength
@@ -562,6 +346,80 @@ Material ThinDielectric(Context& context) {
   material.reflectance = glm::vec3(1);
   material.ior = DielectricIndex(context, {"eta"});
   return material;
+}
+
+// Version 3 has three materials of a body, Kd, and a gloss, Ks, and a fourth one of both for either
+// side. The roughness of the gloss is one number.
+float GlossWidth(Context& context) {
+  if (RoughnessVaries(context, "")) {
+    Warn(context, "a texture of the roughness is not supported here: rendered with 0.1");
+  }
+  return OneWidth(context, FindWidths(context, "", 0.1f, false));
+}
+
+Material BodyAndGloss(Context& context, BsdfKind bsdf, float fallback) {
+  Material material;
+  material.bsdf = bsdf;
+  SetDiffuse(context, fallback, material);
+  SetSecondColor(context, "Ks", fallback, material);
+  material.alpha = GlossWidth(context);
+  return material;
+}
+
+// The facets of version 3's plastic have its index on the side of the light, and reflect all light
+// at grazing angles.
+Material Plastic(Context& context) {
+  Material material = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
+  material.ior = 1 / 1.5f;
+  return material;
+}
+
+// Sets the share of the surface that exists.
+void SetOpacity(Context& context, Material& material) {
+  const auto image = FindImageTexture(context.parameters, "opacity", context.reader.color_textures);
+  const glm::vec3 opacity = image ? glm::clamp(image->value.value_or(glm::vec3(1)), 0.0f, 1.0f)
+                                  : FractionOr(context, {"opacity"}, glm::vec3(1));
+  if (opacity.x != opacity.y || opacity.y != opacity.z) {
+    Warn(context, "\"opacity\" is a colour: its mean is used");
+  }
+  material.opacity = (opacity.x + opacity.y + opacity.z) / 3;
+  if (image) {
+    material.opacity_texture = CopyPbrtTexture(context.reader, *image->image, TextureUse::kOpacity);
+  }
+}
+
+Material Uber(Context& context) {
+  const Material rough = [&] {
+    Material material = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
+    material.ior = DielectricIndex(context, {"eta", "index"});
+    return material;
+  }();
+  Material smooth;
+  smooth.bsdf = BsdfKind::kDielectric;
+  smooth.ior = rough.ior;
+  smooth.reflection = FractionOr(context, {"Kr"}, glm::vec3(0));
+  smooth.reflectance = FractionOr(context, {"Kt"}, glm::vec3(0));
+  const bool both = *smooth.reflection != glm::vec3(0) || smooth.reflectance != glm::vec3(0);
+  Material material = both ? Sum(context, rough, smooth) : rough;
+  SetOpacity(context, material);
+  return material;
+}
+
+Material Translucent(Context& context) {
+  const glm::vec3 reflect = FractionOr(context, {"reflect"}, glm::vec3(0.5f));
+  const glm::vec3 transmit = FractionOr(context, {"transmit"}, glm::vec3(0.5f));
+  Material body;
+  body.bsdf = BsdfKind::kDiffuseTransmission;
+  SetDiffuse(context, 0.25f, body);
+  body.second_color = body.reflectance * transmit, body.reflectance *= reflect;
+  body.second_color_texture = body.color_texture;
+  const glm::vec3 gloss = FractionOr(context, {"Ks"}, glm::vec3(0.25f));
+  Material facets;
+  facets.bsdf = BsdfKind::kRoughDielectric;
+  facets.reflectance = gloss * transmit, facets.reflection = gloss * reflect;
+  facets.alpha = GlossWidth(context);
+  facets.energy_compensation = false;
+  return gloss == glm::vec3(0) ? body : Sum(context, body, facets);
 }
 
 // Reads a BRDF in the MERL format, as pbrt did up to version 2.
@@ -655,8 +513,9 @@ Material ByType(const std::string& type, Context& context) {
   if (type == "diffusetransmission") return DiffuseTransmission(context);
   if (type == "translucent") return Translucent(context);
   if (type == "coateddiffuse") return CoatedDiffuse(context);
-  if (type == "plastic" || type == "uber") return Coated(context, 0.25f);
-  if (type == "substrate") return Coated(context, 0.5f);
+  if (type == "plastic") return Plastic(context);
+  if (type == "uber") return Uber(context);
+  if (type == "substrate") return BodyAndGloss(context, BsdfKind::kFresnelBlend, 0.5f);
   if (type == "measured") return Measured(context);
   if (type == "mix") return Mix(context);
   for (const char* other : {"shinymetal", "disney"}) {

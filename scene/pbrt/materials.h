@@ -2,7 +2,8 @@
 //
 //   matte, diffuse        Lambert: Kd, reflectance; Oren-Nayar if matte has a sigma
 //   diffusetransmission   diffuse transmission: reflectance, transmittance, scale
-//   translucent           the same from Kd, reflect and transmit; its gloss is left out
+//   translucent           the sum of diffuse transmission, from Kd, reflect and transmit, and of a
+//                         rough dielectric, from Ks and the same
 //   mirror                mirror: Kr
 //   metal, conductor      GGX conductor: eta and k as rgb or by name (metal-Cu-eta, Cu.eta.spd), or
 //                         reflectance; anisotropic if uroughness and vroughness differ; mirror
@@ -11,19 +12,19 @@
 //   coateddiffuse         a diffuse body under a dielectric coat
 //   glass, dielectric     dielectric, smooth or rough: eta or index, as a number or by name
 //   thindielectric        both faces of a pane at once: eta
-//   plastic, substrate, uber
-//                         metallic-roughness without metal, from Kd or reflectance, roughness and
-//                         eta: the same model, a specular coat over a diffuse body; Ks and other
-//                         parameters are left out, with a warning
+//   plastic, uber         glossy-diffuse: Kd, Ks, roughness and, of uber, eta or index; uber with
+//   Kr
+//                         or Kt is the sum with a smooth dielectric; opacity is that of the surface
+//   substrate             Fresnel-blend: Kd, Ks, roughness
 //   measured              a BRDF of the MERL database: filename (.binary)
 //   mix                   one of two named materials, chosen at every hit: materials or
 //                         namedmaterial1 and 2, amount (also a float image)
 //   shinymetal, disney    Lambert, with a warning
 //   anything else         grey Lambert, with a warning
 //
-// A reflectance, Kd or transmittance may be an image (textures.cc), and so may the roughness of
-// conductors, dielectrics and coats and the amount of mix; all but transmittance may vary in space
-// (solid_textures.h). A reflectance that varies in space is that of a diffuse body. Other
+// A reflectance, Kd, Ks or transmittance may be an image (textures.cc), and so may the roughness of
+// conductors, dielectrics and coats and the amount of mix; all but Ks and transmittance may vary in
+// space (solid_textures.h). A reflectance that varies in space is that of a diffuse body. Other
 // parameters are constant.
 #pragma once
 

@@ -181,7 +181,15 @@ glm::vec3 ColorOfBlackbody(const PbrtParameter& parameter) {
 
 glm::vec3 ColorOfPairs(const PbrtParameter& parameter, SpectrumUse use) {
   const std::vector<glm::vec2> pairs = PairsOf(parameter);
-  return use == SpectrumUse::kEmission ? RgbOfEmission(pairs) : RgbOfReflectance(pairs);
+  switch (use) {
+    case SpectrumUse::kReflectance:
+      return RgbOfReflectance(pairs);
+    case SpectrumUse::kEmission:
+      return RgbOfEmission(pairs);
+    case SpectrumUse::kUnitEmission:
+      return RgbOfUnitEmission(pairs);
+  }
+  return glm::vec3(0);
 }
 
 }  // namespace
@@ -302,7 +310,7 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
   if (found->type == "xyz") return RgbFromXyz(color);
   if (!parameters.color_space) return color;
   const auto& [light, reflectance] = *parameters.color_space;
-  const glm::vec3 rgb = (use == SpectrumUse::kEmission ? light : reflectance) * color;
+  const glm::vec3 rgb = (use == SpectrumUse::kReflectance ? reflectance : light) * color;
   constexpr float kRounding = 1e-5f;
   const float least = std::min({rgb.x, rgb.y, rgb.z}), most = std::max({rgb.x, rgb.y, rgb.z});
   if (least < -kRounding * std::max(most, 1.0f)) {

@@ -80,8 +80,9 @@ std::optional<std::string> FindString(PbrtParameters& parameters, std::string_vi
 // Throws InputError unless the wavelengths ascend.
 std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter);
 
-// Selects how a spectrum is converted to a colour (spectrum.h).
-enum class SpectrumUse { kReflectance, kEmission };
+// Selects how a spectrum is converted to a colour (spectrum.h). The luminance of light is that of
+// its spectrum in pbrt-v3 (kEmission), and 1 in pbrt-v4 (kUnitEmission).
+enum class SpectrumUse { kReflectance, kEmission, kUnitEmission };
 
 // Returns a linear Rec. 709 colour: rgb or color in the space of the parameters, xyz, a float
 // (grey), a constant texture, a blackbody, or a spectrum: pairs of wavelength and value, a file of

@@ -22,6 +22,9 @@ std::unique_ptr<PbrtSource> MakeSource(PbrtReader& reader, std::string path, std
   source->main_path = reader.sources.empty() ? path : reader.sources.front()->path;
   source->path = std::move(path);
   source->text = std::move(text);
+  if (source->text.starts_with(kByteOrderMark)) {
+    source->text.replace(0, kByteOrderMark.size(), kByteOrderMark.size(), ' ');
+  }
   if (reader.v3) source->lenient = &reader.warnings;
   return source;
 }

@@ -123,16 +123,18 @@ Mesh PlyMesh(PbrtParameters& parameters,
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
+  const std::string path = resolve(*filename);
   PlyReport report;
   Mesh mesh;
   try {
-    mesh = ReadPly(resolve(*filename), &report);
+    mesh = ReadPly(path, &report);
   } catch (const InputError& error) {
     // The message holds both positions: that in the mesh and that in the scene that names it.
     throw InputError(parameters.position, error.what(), error.exit_code());
   }
   faces = report.polygons;
   WarnOfPly(report, parameters.position, warnings);
+  mesh.colors.clear();  // pbrt does not read them
   return mesh;
 }
 
@@ -352,6 +354,25 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
 }
 
 }  // namespace
+
+PbrtRoundNumbers FindRoundNumbers(const std::string& type, PbrtParameters& parameters) {
+  PbrtRoundNumbers round;
+  const bool disk = type == "disk";
+  for (const char* name : {"phimax", disk ? "height" : "zmin", disk ? "innerradius" : "zmax"}) {
+    round.numbers.push_back(FindFloat(parameters, name));
+  }
+  const bool whole = std::none_of(round.numbers.begin(), round.numbers.end(),
+                                  [](const std::optional<float>& number) { return number; });
+  if (type == "sphere" && whole) {
+    round.scale = FindPositive(parameters, "radius", 1);
+    std::erase_if(parameters.list, [](const auto& parameter) {
+      return parameter.name == "radius" && parameter.type == "float";
+    });
+  } else {
+    round.numbers.push_back(FindFloat(parameters, "radius"));
+  }
+  return round;
+}
 
 bool IsRoundPbrtShape(std::string_view type) {
   return type == "sphere" || type == "disk" || type == "cylinder";

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/pbrt/parameters.h"
 #include "scene/scene.h"
@@ -28,6 +29,14 @@ struct PbrtShape {
 
 // Returns whether pbrt intersects a shape itself, which is a mesh of patches here.
 bool IsRoundPbrtShape(std::string_view type);
+
+// Returns the numbers that make the form of a round shape, without the radius of a whole sphere,
+// which is taken out of the parameters: the sphere of radius 1 has a scale then.
+struct PbrtRoundNumbers {
+  std::vector<std::optional<float>> numbers;
+  float scale = 1;
+};
+PbrtRoundNumbers FindRoundNumbers(const std::string& type, PbrtParameters& parameters);
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the

@@ -35,7 +35,7 @@ PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   return texture;
 }
 
-// The space of a texture is the one in which it is defined.
+// Returns the transform into the space of a texture, which is the one in which it is defined.
 glm::dmat4 TextureFromWorld(PbrtReader& reader, const PbrtParameters& parameters) {
   if (const auto& flaw = reader.state.flaw) {
     Warn(reader, parameters,
@@ -44,6 +44,11 @@ glm::dmat4 TextureFromWorld(PbrtReader& reader, const PbrtParameters& parameters
     return glm::dmat4(1);
   }
   return glm::inverse(reader.state.to_world);
+}
+// Returns that of functions of the place, to which pbrt-v3 applies the transform itself where
+// pbrt-v4 has its inverse.
+glm::dmat4 PatternFromWorld(PbrtReader& reader, const PbrtParameters& parameters) {
+  return reader.v3 ? reader.state.to_world : TextureFromWorld(reader, parameters);
 }
 
 glm::dvec3 FindVector(PbrtParameters& parameters, std::string_view name,
@@ -313,7 +318,7 @@ PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters
                                   const PbrtTextures& same) {
   const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(1), glm::vec3(0)});
   if (!pair) return {};
-  return SolidTexture([pair = *pair, to_texture = TextureFromWorld(reader, parameters)](
+  return SolidTexture([pair = *pair, to_texture = PatternFromWorld(reader, parameters)](
                           const glm::dvec3& place, const glm::dvec3&) {
     const glm::dvec3 cell = glm::floor(glm::dvec3(to_texture * glm::dvec4(place, 1)));
     return glm::mod(cell.x + cell.y + cell.z, 2.0) == 0 ? pair.first : pair.second;
@@ -340,7 +345,7 @@ PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters) {
   const double roughness = FindFloat(parameters, "roughness").value_or(0.5f);
   const double scale = FindFloat(parameters, "scale").value_or(1);
   const double variation = FindFloat(parameters, "variation").value_or(0.2f);
-  return SolidTexture([=, to_texture = TextureFromWorld(reader, parameters)](
+  return SolidTexture([=, to_texture = PatternFromWorld(reader, parameters)](
                           const glm::dvec3& place, const glm::dvec3&) {
     constexpr int kCurves = 6;
     static const glm::dvec3 kStone(0.58, 0.58, 0.6);
@@ -363,7 +368,7 @@ PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std:
     octaves = std::clamp(FindInt(parameters, "octaves").value_or(octaves), 0, 32);
     roughness = FindFloat(parameters, "roughness").value_or(0.5f);
   }
-  return SolidTexture([=, to_texture = TextureFromWorld(reader, parameters)](
+  return SolidTexture([=, to_texture = PatternFromWorld(reader, parameters)](
                           const glm::dvec3& place, const glm::dvec3&) {
     const glm::dvec3 at(to_texture * glm::dvec4(place, 1));
     if (wrinkled) return glm::vec3(float(TurbulentNoise(at, roughness, octaves)));
@@ -414,9 +419,11 @@ PbrtTexture LayInSpace(PbrtReader& reader, PbrtParameters& parameters, std::stri
   if (!texture.image) return texture;
   const Texture source = reader.scene.textures[*texture.image];
   const auto image = std::make_shared<const Image>(reader.scene.images[source.image]);
-  return SolidTexture([=, factor = texture.value.value_or(glm::vec3(1)),
-                       to_texture = TextureFromWorld(reader, parameters)](const glm::dvec3& place,
-                                                                          const glm::dvec3&) {
+  // A plane of pbrt-v3 is one of the world.
+  const bool of_world = reader.v3 && mapping == "planar";
+  const glm::dmat4 to_texture = of_world ? glm::dmat4(1) : TextureFromWorld(reader, parameters);
+  return SolidTexture([=, factor = texture.value.value_or(glm::vec3(1))](const glm::dvec3& place,
+                                                                         const glm::dvec3&) {
     const glm::dvec3 uv(uv_of(glm::dvec3(to_texture * glm::dvec4(place, 1))), 1);
     return factor * LookUpImage(*image, source, glm::dmat3x2(source.transform) * uv);
   });

@@ -1,6 +1,7 @@
 // The state that the pbrt reader keeps between directives; internal to scene/pbrt/.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -70,6 +71,20 @@ struct PbrtGraphicsState {
   std::optional<RgbConversion> color_space;  // nothing: linear Rec. 709
 };
 
+// What tells a round shape from others, besides its place.
+struct PbrtRoundShape {
+  std::string type;
+  std::vector<std::optional<float>> numbers;  // FindRoundNumbers
+  std::uint32_t material;
+  bool needs_uvs, flipped;
+  auto operator<=>(const PbrtRoundShape&) const = default;
+};
+
+struct PbrtRoundObject {
+  std::uint32_t object;  // index into Scene::objects
+  float extent;          // largest coordinate
+};
+
 struct PbrtScope {
   std::string begin;       // the directive that opened it; Import does, too
   InputPosition position;  // its position
@@ -99,7 +114,10 @@ struct PbrtReader {
   // The emitting copy of a material, by material and area light.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
   std::map<std::string, std::uint32_t> objects;  // index into Scene::objects, by name
-  bool in_object = false;                        // the last of Scene::objects is being defined
+  // Round shapes that are alike but for their place, as objects likewise.
+  std::map<PbrtRoundShape, PbrtRoundObject> round_shapes;
+  std::optional<std::uint32_t> clear_material;  // what light passes through, unbent
+  bool in_object = false;                       // the last of Scene::objects is being defined
   // The factor of all light is their product: the speed of the film, and how long it is exposed.
   float film_gain = 1, exposure_time = 1;
   bool v3 = false;  // the main file has a WorldEnd

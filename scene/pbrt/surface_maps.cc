@@ -9,17 +9,16 @@
 namespace skywave {
 namespace {
 
-// Adds a copy of a scene texture with a different use.
-std::uint32_t CopyTexture(Scene& scene, std::uint32_t index, TextureUse use) {
-  Texture texture = scene.textures[index];
-  texture.use = use;
-  scene.textures.push_back(texture);
-  return static_cast<std::uint32_t>(scene.textures.size() - 1);
-}
-
 float Mean(const glm::vec3& v) { return (v.x + v.y + v.z) / 3; }
 
 }  // namespace
+
+std::uint32_t CopyPbrtTexture(PbrtReader& reader, std::uint32_t texture, TextureUse use) {
+  Texture copy = reader.scene.textures[texture];
+  copy.use = use;
+  reader.scene.textures.push_back(copy);
+  return static_cast<std::uint32_t>(reader.scene.textures.size() - 1);
+}
 
 std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& parameters,
                                     std::uint32_t material) {
@@ -34,8 +33,8 @@ std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& paramete
     return found->second;
   }
   Material copy = reader.scene.materials[material];
-  copy.opacity = opacity;
-  if (image) copy.opacity_texture = CopyTexture(reader.scene, *image->image, TextureUse::kOpacity);
+  copy.opacity *= opacity;
+  if (image) copy.opacity_texture = CopyPbrtTexture(reader, *image->image, TextureUse::kOpacity);
   reader.scene.materials.push_back(std::move(copy));
   const auto index = static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
   reader.materials_with_alpha.emplace(key, index);
@@ -45,7 +44,7 @@ std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& paramete
 void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& material) {
   for (const char* name : {"displacement", "bumpmap"}) {
     if (const auto heights = FindImageTexture(parameters, name, reader.float_textures)) {
-      material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
+      material.normal_texture = CopyPbrtTexture(reader, *heights->image, TextureUse::kHeights);
       material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
     } else if (const auto solid = FindSolidTexture(parameters, name, reader.float_textures)) {
       reader.solids.push_back({.use = PbrtSolidUse::kHeight, .value = solid->solid});

@@ -5,6 +5,9 @@
 
 namespace skywave {
 
+// Adds a copy of a texture of the scene with another use, and returns its index.
+std::uint32_t CopyPbrtTexture(PbrtReader& reader, std::uint32_t texture, TextureUse use);
+
 // Reads the float or texture "alpha" of a shape: rays hit the shape where it is 1, pass where it is
 // 0, and hit with that probability in between. Returns the material for this shape: `material`
 // itself or a copy of it.

@@ -1,8 +1,12 @@
 // Handles pbrt's directives that describe the world: scopes, materials, shapes, objects, lights.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "kernels/bsdf/bsdf.h"
@@ -96,6 +100,17 @@ void CheckMesh(PbrtReader& reader, const InputPosition& position, const Mesh& me
   }
 }
 
+void AddInstance(PbrtReader& reader, const InputPosition& position, std::uint32_t object,
+                 const glm::dmat4& world_from_object) {
+  const std::size_t most = reader.options.max_instances;
+  if (reader.scene.instances.size() == most) {
+    throw InputError(position, fmt::format("the scene has more than {} instances", most));
+  }
+  reader.scene.instances.push_back({.object = object,
+                                    .world_from_object = glm::dmat4x3(world_from_object),
+                                    .meshes_before = std::uint32_t(reader.scene.meshes.size())});
+}
+
 void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, "the name of an object");
   const InputPosition position = PositionOf(source, word);
@@ -105,13 +120,7 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   }
   if (reader.in_object) throw InputError(position, "ObjectInstance inside an object");
   if (!CanPlace(reader, position, "an ObjectInstance")) return;
-  const std::size_t most = reader.options.max_instances;
-  if (reader.scene.instances.size() == most) {
-    throw InputError(position, fmt::format("the scene has more than {} instances", most));
-  }
-  reader.scene.instances.push_back({.object = object->second,
-                                    .world_from_object = glm::dmat4x3(reader.state.to_world),
-                                    .meshes_before = std::uint32_t(reader.scene.meshes.size())});
+  AddInstance(reader, position, object->second, reader.state.to_world);
 }
 
 // Returns true if the material, or one that it is mixed of, depends on (u, v): it has a texture, or
@@ -136,6 +145,51 @@ bool TurnsPbrtShape(std::string_view type, const PbrtGraphicsState& state) {
                                   glm::determinant(glm::dmat3(state.to_world)) < 0);
 }
 
+// Returns the material of what light passes through, unbent.
+std::uint32_t ClearPbrtMaterial(PbrtReader& reader) {
+  if (!reader.clear_material) {
+    reader.clear_material = std::uint32_t(reader.scene.materials.size());
+    reader.scene.materials.push_back(
+        {.name = "none", .bsdf = BsdfKind::kDielectric, .reflectance = glm::vec3(1), .ior = 1});
+  }
+  return *reader.clear_material;
+}
+
+// Adds an instance of a round shape, whose triangles shapes of the same form and material share.
+void PlaceRoundShape(PbrtReader& reader, PbrtParameters& parameters, const std::string& type,
+                     std::uint32_t material, const PbrtShapeOptions& options, bool flipped) {
+  auto [numbers, scale] = FindRoundNumbers(type, parameters);
+  const PbrtRoundShape form = {type, std::move(numbers), material, options.needs_uvs, flipped};
+  auto found = reader.round_shapes.find(form);
+  if (found == reader.round_shapes.end()) {
+    std::optional<PbrtShape> shape = MakePbrtShape(type, parameters, {}, options, reader.warnings);
+    CheckMesh(reader, parameters.position, shape->mesh);
+    if (flipped) FlipOrientation(shape->mesh);
+    shape->mesh.material = material;
+    shape->mesh.name = fmt::format("{} ({})", type, ToString(parameters.position));
+    float extent = 0;
+    for (const glm::vec3& p : shape->mesh.positions) {
+      extent = std::max({extent, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+    const auto object = std::uint32_t(reader.scene.objects.size());
+    reader.scene.objects.push_back({.name = shape->mesh.name, .meshes = {std::move(shape->mesh)}});
+    found = reader.round_shapes.emplace(form, PbrtRoundObject{object, extent}).first;
+  } else {
+    ReportUnused(parameters, reader.warnings);
+  }
+  if (!CanPlace(reader, parameters.position, parameters.directive)) return;
+  const auto [object, extent] = found->second;
+  const glm::dmat4 to_world = glm::scale(reader.state.to_world, glm::dvec3(double(scale)));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach =
+        (std::abs(to_world[0][axis]) + std::abs(to_world[1][axis]) + std::abs(to_world[2][axis])) *
+        double(extent);
+    if (std::isfinite(float(reach + std::abs(to_world[3][axis])))) continue;
+    throw InputError(parameters.position, "the shape is not finite after its transform");
+  }
+  AddInstance(reader, parameters.position, object, to_world);
+}
+
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
@@ -154,12 +208,18 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const bool fixed_uvs =
       material && (UsesUvs(reader.scene, *material, seen) || (lamp && lamp->image));
   const bool uses_uvs = fixed_uvs || varies;
+  const PbrtShapeOptions options = {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
+                                    .corner_uvs = uses_uvs,
+                                    .max_triangles = reader.options.max_triangles};
+  // The lamps of version 3 shine without a material, and let light pass.
+  if (!material && reader.v3 && lamp) material = ClearPbrtMaterial(reader);
+  const bool flipped = reader.state.reverse_orientation != TurnsPbrtShape(type, reader.state);
+  if (IsRoundPbrtShape(type) && material && !varies && !lamp && !reader.in_object) {
+    PlaceRoundShape(reader, parameters, type, *material, options, flipped);
+    return;
+  }
   std::optional<PbrtShape> shape =
-      MakePbrtShape(type, parameters, resolve,
-                    {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
-                     .corner_uvs = uses_uvs,
-                     .max_triangles = reader.options.max_triangles},
-                    reader.warnings);
+      MakePbrtShape(type, parameters, resolve, options, reader.warnings);
   if (!shape) return;
   Mesh& mesh = shape->mesh;
   if (!material) {
@@ -170,9 +230,7 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   if (!CanPlace(reader, position, parameters.directive)) return;
   TransformMesh(reader.state.to_world, mesh);
   CheckMesh(reader, position, mesh);
-  if (reader.state.reverse_orientation != TurnsPbrtShape(type, reader.state)) {
-    FlipOrientation(mesh);
-  }
+  if (flipped) FlipOrientation(mesh);
   if (varies && !mesh.triangles.empty()) {
     material =
         MaterialWithSolids(reader, *named, *material,
@@ -193,10 +251,17 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
   reader.solids.clear();
   Material relief;
   if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
+  const std::size_t before = reader.scene.materials.size();
   Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
-  material.normal_texture = relief.normal_texture;
-  material.normal_scale = relief.normal_scale;
+  // A sum has parts, which were added.
+  std::vector<Material>& materials = reader.scene.materials;
+  const auto set_relief = [&](Material& bumpy) {
+    bumpy.normal_texture = relief.normal_texture;
+    bumpy.normal_scale = relief.normal_scale;
+  };
+  std::for_each(materials.begin() + std::ptrdiff_t(before), materials.end(), set_relief);
+  set_relief(material);
   const auto& mixture = material.mixture;
   const bool varies =
       !reader.solids.empty() || (mixture && (reader.solid_materials.contains(mixture->first) ||

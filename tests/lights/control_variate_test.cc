@@ -172,6 +172,7 @@ TEST(ControlVariate, EveryDiffusePartIsControlled) {
         material.kind == BsdfKind::kLambert || material.kind == BsdfKind::kOrenNayar ||
         material.kind == BsdfKind::kDiffuseTransmission || material.kind == BsdfKind::kPhong ||
         material.kind == BsdfKind::kMetallicRoughness ||
+        material.kind == BsdfKind::kGlossyDiffuse || material.kind == BsdfKind::kFresnelBlend ||
         material.kind == BsdfKind::kCoatedMetallicRoughness ||
         material.kind == BsdfKind::kCoatedDiffuse;
     EXPECT_EQ(Integral(material, table, kShading).x > 0, diffuse) << material.name;

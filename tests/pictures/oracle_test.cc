@@ -137,7 +137,7 @@ Scene TwoTiles(const Material& material) {
 std::vector<Material> OtherBsdfs() {
   std::vector<Material> all = OneOfEachBsdf();
   using enum BsdfKind;
-  all.push_back(FrostedPane());
+  for (const Material& material : BeyondTheBuiltinOnes()) all.push_back(material);
   std::erase_if(all, [](const Material& m) {
     return m.bsdf == kLambert || m.bsdf == kConductor || m.bsdf == kMetallicRoughness ||
            m.bsdf == kMirror || m.bsdf == kDielectric || m.bsdf == kMeasured;

@@ -31,7 +31,7 @@ const std::vector<Material>& Tested() {
                    .bsdf = BsdfKind::kMeasured,
                    .reflectance = glm::vec3(1),
                    .alpha = 0.3f});
-    all.push_back(FrostedPane());
+    for (const Material& material : BeyondTheBuiltinOnes()) all.push_back(material);
     all.push_back({.name = "mixture", .mixture = Mixture{1, 3, 0.4f}});
     return all;
   }();

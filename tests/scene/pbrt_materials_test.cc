@@ -2,6 +2,7 @@
 // Numbers are computed by hand from pbrt's conventions.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -167,8 +168,9 @@ TEST(Materials, DiffuseMaterialsAreRead) {
   const Material too_much = OnlyMaterial(
       "Material \"diffusetransmission\" \"rgb reflectance\" [1 1 1] \"rgb transmittance\" [1 1 1]");
   ExpectNear(too_much.reflectance + too_much.second_color, glm::vec3(1));
-  const Material translucent =
-      OnlyMaterial("Material \"translucent\" \"rgb Kd\" [.8 .8 .8] \"rgb transmit\" [.25 .5 1]");
+  const Material translucent = OnlyMaterial(
+      "Material \"translucent\" \"rgb Kd\" [.8 .8 .8] \"rgb transmit\" [.25 .5 1] \"rgb Ks\" [0 0 "
+      "0]");
   ExpectNear(translucent.second_color, {0.2f, 0.4f, 0.8f});
 }
 
@@ -177,14 +179,23 @@ TEST(Materials, DiffuseMaterialsAreRead) {
 TEST(Materials, HaveTheDefaultsOfTheirVersions) {
   // 1.62142 + 0.819955 x + 0.1734 x^2 + 0.0171201 x^3 + 0.000640711 x^4 at x = ln 0.1 and ln 0.01
   constexpr float kAlphaOfTenth = 0.46176f, kAlphaOfHundredth = 0.13894f;
-  for (const auto& [type, reflectance] :
-       {std::pair("plastic", 0.25f), {"uber", 0.25f}, {"substrate", 0.5f}}) {
+  struct Glossy {
+    const char* type;
+    BsdfKind bsdf;
+    float both;
+    float ior;
+  };
+  for (const auto& [type, bsdf, both, ior] :
+       {Glossy{"plastic", BsdfKind::kGlossyDiffuse, 0.25f, 1 / 1.5f},
+        {"uber", BsdfKind::kGlossyDiffuse, 0.25f, 1.5f},
+        {"substrate", BsdfKind::kFresnelBlend, 0.5f, 1.5f}}) {
     SCOPED_TRACE(type);
-    const Material coated = OnlyMaterial("Material \"" + std::string(type) + "\"");
-    EXPECT_EQ(coated.bsdf, BsdfKind::kMetallicRoughness);
-    ExpectNear(coated.reflectance, glm::vec3(reflectance));
-    EXPECT_NEAR(coated.alpha, kAlphaOfTenth, 1e-4f);
-    EXPECT_FLOAT_EQ(coated.ior, 1.5f);
+    const Material glossy = OnlyMaterial("Material \"" + std::string(type) + "\"");
+    EXPECT_EQ(glossy.bsdf, bsdf);
+    ExpectNear(glossy.reflectance, glm::vec3(both));
+    ExpectNear(glossy.second_color, glm::vec3(both));
+    EXPECT_NEAR(glossy.alpha, kAlphaOfTenth, 1e-4f);
+    EXPECT_FLOAT_EQ(glossy.ior, ior);
   }
   const Material metal = OnlyMaterial("Material \"metal\"");
   EXPECT_EQ(metal.bsdf, BsdfKind::kConductor);
@@ -202,14 +213,53 @@ TEST(Materials, HaveTheDefaultsOfTheirVersions) {
   ExpectNear(sheet.reflectance, glm::vec3(0.25f));
   ExpectNear(sheet.second_color, glm::vec3(0.25f));
   // A quarter of the light, of which each side gets a half.
-  const Material leaf = OnlyMaterial("Material \"translucent\"");
+  const Material leaf = OnlyMaterial("Material \"translucent\" \"rgb Ks\" [0 0 0]");
   ExpectNear(leaf.reflectance, glm::vec3(0.125f));
   ExpectNear(leaf.second_color, glm::vec3(0.125f));
-  const Material page =
-      OnlyMaterial("Material \"translucent\" \"rgb reflect\" [.4 .2 0] \"rgb transmit\" [.1 0 .8]");
+  const Material page = OnlyMaterial(
+      "Material \"translucent\" \"rgb reflect\" [.4 .2 0] \"rgb transmit\" [.1 0 .8] "
+      "\"rgb Ks\" [0 0 0]");
   ExpectNear(page.reflectance, {0.1f, 0.05f, 0});
   ExpectNear(page.second_color, {0.025f, 0, 0.2f});
   EXPECT_FLOAT_EQ(OnlyMaterial("Material \"thindielectric\"").ior, 1.5f);
+}
+
+// Returns both parts of the sum that is the last material of a text.
+std::array<Material, 2> PartsOf(const std::string& text) {
+  const Scene scene = Parse(text);
+  const Material& sum = scene.materials.back();
+  EXPECT_TRUE(sum.mixture && sum.mixture->share == 0.5f) << text;
+  return {scene.materials.at(sum.mixture->first), scene.materials.at(sum.mixture->second)};
+}
+
+// A hit has one of the parts, so each part has twice its colours.
+TEST(PbrtMaterials, GlossOfVersion3IsReadForEitherSide) {
+  const auto [body, facets] = PartsOf(
+      "Material \"translucent\" \"rgb Kd\" [.8 .6 .4] \"rgb Ks\" [.4 .2 .1] \"float roughness\" .2 "
+      "\"bool remaproughness\" \"false\" \"rgb reflect\" [.5 .5 1] \"rgb transmit\" [.25 .5 0]");
+  EXPECT_EQ(body.bsdf, BsdfKind::kDiffuseTransmission);
+  ExpectNear(body.reflectance, {0.8f, 0.6f, 0.8f});
+  ExpectNear(body.second_color, {0.4f, 0.6f, 0});
+  EXPECT_EQ(facets.bsdf, BsdfKind::kRoughDielectric);
+  ExpectNear(facets.reflectance, {0.2f, 0.2f, 0});
+  ExpectNear(facets.reflection.value(), {0.4f, 0.2f, 0.2f});
+  EXPECT_FLOAT_EQ(facets.alpha, 0.2f);
+  EXPECT_FALSE(facets.energy_compensation);
+}
+
+TEST(PbrtMaterials, UberIsABodyAGlossAndGlass) {
+  const auto [rough, smooth] = PartsOf(
+      "Material \"uber\" \"rgb Kd\" [.1 .2 .3] \"rgb Ks\" [.3 .2 .1] \"rgb Kr\" [.4 .5 .6] "
+      "\"rgb Kt\" [.2 .1 0] \"float index\" 1.3");
+  EXPECT_EQ(rough.bsdf, BsdfKind::kGlossyDiffuse);
+  ExpectNear(rough.reflectance, {0.2f, 0.4f, 0.6f});
+  ExpectNear(rough.second_color, {0.6f, 0.4f, 0.2f});
+  EXPECT_EQ(smooth.bsdf, BsdfKind::kDielectric);
+  ExpectNear(smooth.reflection.value(), {0.8f, 1, 1.2f});
+  ExpectNear(smooth.reflectance, {0.4f, 0.2f, 0});
+  EXPECT_FLOAT_EQ(rough.ior, 1.3f);
+  EXPECT_FLOAT_EQ(smooth.ior, 1.3f);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"uber\" \"rgb opacity\" [.3 .3 .3]").opacity, 0.3f);
 }
 
 TEST(Materials, RoughAndThinGlassAreRead) {

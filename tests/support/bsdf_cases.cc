@@ -152,6 +152,22 @@ std::vector<MaterialCase> MakeDenseCases() {
     MaterialRecord blinn = GoldConductor(alpha);
     list.push_back({"Blinn" + name, kBlinn, blinn});
   }
+  for (const float alpha : {0.05f, 0.4f}) {
+    const std::string name = std::to_string(int(alpha * 100));
+    const Material brick = {
+        .reflectance = {0.5f, 0.3f, 0.1f}, .alpha = alpha, .second_color = {0.3f, 0.4f, 0.9f}};
+    for (const bool back : {false, true}) {
+      Material toy = brick;
+      toy.bsdf = kGlossyDiffuse;
+      list.push_back({"Brick" + name + (back ? "Inside" : "Outside"), kGlossyDiffuse,
+                      PackMaterial(toy, {}), back});
+    }
+    Material plastic = brick, glaze = brick;
+    plastic.bsdf = kGlossyDiffuse, plastic.ior = 1 / 1.5f;
+    glaze.bsdf = kFresnelBlend;
+    list.push_back({"Plastic3" + name, kGlossyDiffuse, PackMaterial(plastic, {})});
+    list.push_back({"Glaze" + name, kFresnelBlend, PackMaterial(glaze, {})});
+  }
   list.push_back({"BlinnWhite", kBlinn, WhiteConductor(0.2f)});
   list.push_back({"WardSatin", kWard, Brushed(0.3f, 0.1f, true), false, 0.7});
   list.push_back({"WardNarrow", kWard, Brushed(0.05f, 0.03f, true), false, 2.0});
@@ -269,12 +285,23 @@ MaterialRecord RecordWithCoat(const Material& material) {
   return record;
 }
 
-Material FrostedPane() {
-  return {.name = "frosted pane",
-          .bsdf = BsdfKind::kRoughThinDielectric,
-          .reflectance = {0.9f, 0.7f, 0.3f},
-          .alpha = 0.2f,
-          .reflection = glm::vec3(1)};
+std::vector<Material> BeyondTheBuiltinOnes() {
+  return {{.name = "frosted pane",
+           .bsdf = BsdfKind::kRoughThinDielectric,
+           .reflectance = {0.9f, 0.7f, 0.3f},
+           .alpha = 0.2f,
+           .reflection = glm::vec3(1)},
+          {.name = "toy brick",
+           .bsdf = BsdfKind::kGlossyDiffuse,
+           .reflectance = {0.5f, 0.1f, 0.1f},
+           .alpha = 0.2f,
+           .ior = 1.6f,
+           .second_color = {0.6f, 0.7f, 0.8f}},
+          {.name = "glaze",
+           .bsdf = BsdfKind::kFresnelBlend,
+           .reflectance = {0.2f, 0.5f, 0.3f},
+           .alpha = 0.2f,
+           .second_color = {0.2f, 0.1f, 0.05f}}};
 }
 
 Material RoughGlass(float alpha, float ior) {

@@ -24,7 +24,8 @@ std::vector<float> SyntheticMeasuredTable();
 
 // Returns rough glass that loses nothing, and GGX facets of two widths likewise.
 Material RoughGlass(float alpha, float ior);
-Material FrostedPane();
+// Returns materials of BSDFs, or of parts of them, that no built-in scene has.
+std::vector<Material> BeyondTheBuiltinOnes();
 MaterialRecord Keeping(MaterialRecord anisotropic);
 
 // Returns the near index over the far index, 1 if nothing is refracted, or nothing if light cannot

@@ -270,6 +270,56 @@ FormulaValue PhongFormula(const MaterialRecord& m, Vec wo, Vec wi) {
   return out;
 }
 
+// The body and the facets of glossy-diffuse, each as MetallicRoughness and Walter et al. 2007 have
+// them; the probability of the facets is that of a flat surface.
+double LuminanceOf(const double (&rgb)[3]) {
+  return kLuminance[0] * rgb[0] + kLuminance[1] * rgb[1] + kLuminance[2] * rgb[2];
+}
+double GlossProbability(double gloss, double body) {
+  return std::clamp(gloss / (gloss + body), 0.1, 0.9);
+}
+FormulaValue GlossyDiffuseFormula(const MaterialCase& material, Vec wo, Vec wi) {
+  const MaterialRecord& m = material.record;
+  const double ratio = material.back ? double(m.ior) : 1 / double(m.ior), alpha = m.alpha;
+  const Vec h = HalfOf(wo, wi);
+  const double d = GgxDensity(h, alpha, alpha);
+  const double lambda_o = GgxLambda(wo, alpha, alpha), lambda_i = GgxLambda(wi, alpha, alpha);
+  const double f = RealFresnel(std::min(1.0, Dot(wo, h)), ratio);
+  const double body[3] = {m.color[0], m.color[1], m.color[2]};
+  const double gloss[3] = {m.eta[0], m.eta[1], m.eta[2]};
+  FormulaValue out;
+  for (int c = 0; c < 3; ++c) {
+    const double facets = f * d / (4 * wo.z * wi.z * (1 + lambda_o + lambda_i));
+    out.rgb[c] = wi.z * (body[c] / kPi + gloss[c] * facets);
+  }
+  const double flat = RealFresnel(wo.z, ratio),
+               leaning = RealFresnel(std::max(wo.z - alpha, 0.0), ratio);
+  const double share =
+      GlossProbability(LuminanceOf(gloss) * (flat + leaning) / 2, LuminanceOf(body));
+  out.pdf = share * d / (4 * wo.z * (1 + lambda_o)) + (1 - share) * wi.z / kPi;
+  return out;
+}
+
+// Equations 1 to 5 of Ashikhmin and Shirley 2000 (their p is that of half vectors; GGX has it too).
+FormulaValue FresnelBlendFormula(const MaterialRecord& m, Vec wo, Vec wi) {
+  const double alpha = m.alpha;
+  const Vec h = HalfOf(wo, wi);
+  const double oh = std::min(1.0, Dot(wo, h)), d = GgxDensity(h, alpha, alpha);
+  const auto schlick = [](double r, double c) { return r + (1 - r) * std::pow(1 - c, 5); };
+  const auto enters = [](double c) { return 1 - std::pow(1 - c / 2, 5); };
+  FormulaValue out;
+  double gloss[3], body[3];
+  for (int c = 0; c < 3; ++c) {
+    const double rd = m.color[c], rs = m.eta[c];
+    const double diffuse = 28 * rd / (23 * kPi) * (1 - rs) * enters(wo.z) * enters(wi.z);
+    out.rgb[c] = wi.z * (diffuse + schlick(rs, oh) * d / (4 * oh * std::max(wo.z, wi.z)));
+    gloss[c] = schlick(rs, wo.z), body[c] = rd * (1 - rs) * enters(wo.z);
+  }
+  const double share = GlossProbability(LuminanceOf(gloss), LuminanceOf(body));
+  out.pdf = share * d / (4 * wo.z * (1 + GgxLambda(wo, alpha, alpha))) + (1 - share) * wi.z / kPi;
+  return out;
+}
+
 FormulaValue BlinnFormula(const MaterialRecord& m, Vec wo, Vec wi) {
   const double n = 2 / Square(m.alpha) - 2;
   const Vec h = HalfOf(wo, wi);
@@ -485,6 +535,10 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
       return TabledCoatFormula(material, wo, wi);
     case BsdfKind::kRoughThinDielectric:
       return RoughThinDielectricFormula(m, wo, wi);
+    case BsdfKind::kGlossyDiffuse:
+      return GlossyDiffuseFormula(material, wo, wi);
+    case BsdfKind::kFresnelBlend:
+      return FresnelBlendFormula(m, wo, wi);
     case BsdfKind::kMeasured:
       return MeasuredFormula(m, wo, wi);
     default:

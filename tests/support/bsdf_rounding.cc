@@ -56,6 +56,10 @@ FormulaValue ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi, int 
       Add(middle, 0x1p-24 / std::max(LostByGgx(double(material.record.alpha), w.z), 1e-6), change);
     }
   }
+  if (material.kind == BsdfKind::kGlossyDiffuse) {
+    const double ior = material.record.ior;
+    Add(middle, FresnelChange(material.back ? ior : 1 / ior, wo, wi), change);
+  }
   if (material.kind == BsdfKind::kPhong || material.kind == BsdfKind::kBlinn) {
     const double exponent = 2 / (double(material.record.alpha) * material.record.alpha) - 2;
     Add(middle, 0x1p-24 * 6 * exponent, change);
