@@ -11,6 +11,9 @@
 
 namespace skywave {
 
+// What some programs write before UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 // Returns the bytes of `path`. Throws InputError (kExitIo) if it cannot be read or has more than
 // `max_bytes` bytes.
 std::string ReadFile(const std::string& path, std::size_t max_bytes = std::size_t{8} << 30);

@@ -15,6 +15,7 @@
 #include "scene/builtin/builtin.h"
 #include "scene/gltf/reader.h"
 #include "scene/instances.h"
+#include "scene/materials/texture_files.h"
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
@@ -34,10 +35,26 @@ Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   PlyReport report;
   Mesh mesh = ReadPly(path, &report);
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
-  WarnOfPly(report, InputPosition::File(path), warnings);
+  const auto position = InputPosition::File(path);
+  WarnOfPly(report, position, warnings);
   mesh.name = path;
   Scene scene;
-  scene.materials.push_back({.name = "default"});
+  Material material = {.name = "default"};
+  // Colours and a texture are those of the surface, and not of the grey that stands for neither.
+  if (!mesh.colors.empty()) material.reflectance = glm::vec3(1);
+  if (!report.texture.empty() && !mesh.uvs.empty()) {
+    TextureFiles textures{&scene};
+    const auto file = std::filesystem::path(path).parent_path() / report.texture;
+    try {
+      scene.textures.push_back({.image = AddTextureImage(textures, file.string(), Encoding::kSrgb),
+                                .transform = UpwardTextureTransform({1, 1}, {0, 0})});
+      material.color_texture = 0;
+      material.reflectance = glm::vec3(1);
+    } catch (const InputError& error) {
+      AddWarning(warnings, position, fmt::format("TextureFile: {}: left out", error.what()));
+    }
+  }
+  scene.materials.push_back(std::move(material));
   scene.meshes.push_back(std::move(mesh));
   scene.warnings = WarningLines(warnings);
   return scene;

@@ -10,6 +10,11 @@
 namespace skywave {
 namespace {
 
+std::string_view WholeStatement(const std::vector<std::string_view>& words) {
+  return {words.front().data(),
+          std::size_t(words.back().data() + words.back().size() - words.front().data())};
+}
+
 // One of the three tables that corners index.
 struct IndexedTable {
   const char* name;
@@ -38,27 +43,68 @@ void CheckIndex(const ObjLines& lines, std::string_view text, IndexedTable& tabl
   if (index > table.greatest) table.greatest = index, table.greatest_line = lines.line;
 }
 
-// Checks a corner: v, v/vt, v//vn or v/vt/vn.
-void CheckCorner(const ObjLines& lines, std::string_view corner, Tables& tables) {
-  const std::size_t first = corner.find('/');
-  CheckIndex(lines, corner.substr(0, first), tables.positions);
-  if (first == std::string_view::npos) return;
-  const std::string_view rest = corner.substr(first + 1);
-  const std::size_t second = rest.find('/');
-  const std::string_view uv = rest.substr(0, second);
-  if (!uv.empty() || second == std::string_view::npos) CheckIndex(lines, uv, tables.uvs);
-  if (second != std::string_view::npos) {
-    CheckIndex(lines, rest.substr(second + 1), tables.normals);
+// The parts of a corner: v, v/vt, v//vn or v/vt/vn; some programs write a slash with nothing after
+// it.
+struct Corner {
+  explicit Corner(std::string_view word) : position(word.substr(0, word.find('/'))) {
+    if (position.size() == word.size()) return;
+    const std::string_view rest = word.substr(position.size() + 1);
+    uv = rest.substr(0, rest.find('/'));
+    if (uv.size() < rest.size()) normal = rest.substr(uv.size() + 1);
   }
+  std::string_view position, uv, normal;
+};
+
+void CheckCorner(const ObjLines& lines, std::string_view word, Tables& tables) {
+  const Corner corner(word);
+  CheckIndex(lines, corner.position, tables.positions);
+  if (!corner.uv.empty()) CheckIndex(lines, corner.uv, tables.uvs);
+  if (!corner.normal.empty()) CheckIndex(lines, corner.normal, tables.normals);
 }
 
-void CheckFace(const ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables) {
+// Returns whether the statement is a face that can be read; others are blanked out.
+bool CheckFace(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
+               Warnings& warnings) {
   const std::size_t corners = words.size() - 1;
-  if (corners < 3 || corners > kMaxObjCorners) {
-    throw InputError(PositionOf(lines), fmt::format("a face of {} corners; 3 to {} can be read",
+  if (corners > kMaxObjCorners) {
+    throw InputError(PositionOf(lines), fmt::format("a face of {} corners; up to {} can be read",
                                                     corners, kMaxObjCorners));
   }
   for (std::size_t i = 1; i < words.size(); ++i) CheckCorner(lines, words[i], tables);
+  if (corners >= 3) return true;
+  AddWarning(warnings, PositionOf(lines), "a face of fewer than three corners: left out");
+  BlankOut(lines, WholeStatement(words));
+  return false;
+}
+
+// Writes the corners of all faces as tinyobjloader reads them: without indices of elements that the
+// file does not have, and without slashes that nothing follows.
+void RewriteCorners(ObjLines lines, const Tables& tables, std::string& text) {
+  lines.next = lines.joins_read = 0, lines.next_line = 1;
+  std::vector<std::string_view> words;
+  while (NextStatement(lines, words)) {
+    if (words[0] != "f") continue;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const Corner corner(words[i]);
+      std::string written(corner.position);
+      if (tables.uvs.count > 0 && !corner.uv.empty()) written += "/" + std::string(corner.uv);
+      if (tables.normals.count > 0 && !corner.normal.empty()) {
+        written +=
+            (written.size() > corner.position.size() ? "/" : "//") + std::string(corner.normal);
+      }
+      written.resize(words[i].size(), ' ');
+      text.replace(std::size_t(words[i].data() - lines.text.data()), written.size(), written);
+    }
+  }
+}
+
+// Indices of elements of which the file has none mean nothing.
+void ForgetUnless(IndexedTable& table, const ObjLines& lines, Warnings& warnings) {
+  if (table.count > 0 || table.greatest == 0) return;
+  AddWarning(
+      warnings, InputPosition::Line(lines.path, table.greatest_line),
+      fmt::format("faces have {} indices, and the file has none of these: ignored", table.name));
+  table.greatest = 0;
 }
 
 void CheckRange(const ObjLines& lines, const IndexedTable& table) {
@@ -74,6 +120,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
   ObjStatements statements;
   Tables tables;
   std::unordered_set<std::string> seen;
+  bool rewrite = false;  // corners have to be rewritten
   std::vector<std::string_view> words;
   while (NextStatement(lines, words)) {
     const std::string_view word = words[0];
@@ -81,8 +128,8 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
       CheckObjNumbers(lines, words, 3, 7);  // optionally followed by a weight, a colour or both
       ++tables.positions.count;
     } else if (word == "f") {
-      CheckFace(lines, words, tables);
-      ++statements.faces;
+      if (CheckFace(lines, words, tables, warnings)) ++statements.faces;
+      for (const std::string_view corner : words) rewrite = rewrite || corner.ends_with('/');
     } else if (word == "vn") {
       CheckObjNumbers(lines, words, 3, 3);
       ++tables.normals.count;
@@ -94,21 +141,28 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
     } else if (word == "usemtl" || word == "mtllib") {
       const ObjName name{RestOfStatement(words), lines.line};
       if (name.name.empty()) {
-        throw InputError(PositionOf(lines), fmt::format("'{}' without a name", word));
-      }
-      if (word == "mtllib") {
+        AddWarning(warnings, PositionOf(lines), fmt::format("'{}' without a name: ignored", word));
+        BlankOut(lines, WholeStatement(words));
+      } else if (word == "mtllib") {
         statements.libraries.push_back(name);
       } else if (seen.insert(name.name).second) {
         statements.materials.push_back(name);
       }
     } else if (word == "t" || word == "vw") {
       // These are extensions of tinyobjloader, which trusts the counts in them.
-      throw InputError(PositionOf(lines), fmt::format("'{}' is not a statement of OBJ", word));
+      AddWarning(warnings, PositionOf(lines),
+                 fmt::format("'{}' is not a statement of OBJ: left out", word));
+      BlankOut(lines, WholeStatement(words));
     } else if (word != "o" && word != "g") {
       AddWarning(warnings, PositionOf(lines),
                  fmt::format("'{}' is not supported: left out", word.substr(0, 40)));
     }
   }
+  for (IndexedTable* const table : {&tables.uvs, &tables.normals}) {
+    rewrite = rewrite || (table->count == 0 && table->greatest > 0);
+    ForgetUnless(*table, lines, warnings);
+  }
+  if (rewrite) RewriteCorners(lines, tables, lines.text);
   for (const IndexedTable& table : {tables.positions, tables.uvs, tables.normals}) {
     CheckRange(lines, table);
   }

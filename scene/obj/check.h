@@ -29,8 +29,10 @@ struct ObjStatements {
   std::size_t faces = 0;
 };
 
-// Throws InputError with the line for words that are not finite numbers, indices out of range and
-// faces of fewer than three corners. Adds warnings for statements that are not rendered.
+// Throws InputError with the line for words that are not finite numbers and indices out of range.
+// Adds warnings for what is left out, and blanks out in `lines` what tinyobjloader would take for
+// something else: its own statements, faces of fewer than three corners, indices of elements that
+// the file does not have.
 ObjStatements CheckObj(ObjLines& lines, Warnings& warnings);
 
 }  // namespace skywave

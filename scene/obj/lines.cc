@@ -2,13 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+
+#include "base/files.h"
 
 namespace skywave {
 namespace {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t'; }
+
+// Returns whether the statement that the words begin has a name.
+bool HasName(const std::vector<std::string_view>& words) {
+  return !words.empty() && (words[0] == "usemtl" || words[0] == "newmtl" || words[0] == "o" ||
+                            words[0] == "g" || words[0] == "mtllib");
+}
 
 void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& words,
                 std::size_t least, std::size_t most) {
@@ -25,6 +34,8 @@ void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& word
 ObjLines MakeObjLines(std::string text, std::string path) {
   ObjLines lines{.path = std::move(path), .text = std::move(text)};
   std::string& t = lines.text;
+  if (t.starts_with(kByteOrderMark))
+    t.replace(0, kByteOrderMark.size(), kByteOrderMark.size(), ' ');
   for (std::size_t i = t.find('\r'); i != std::string::npos; i = t.find('\r', i + 1)) {
     t[i] = i + 1 < t.size() && t[i + 1] == '\n' ? ' ' : '\n';
   }
@@ -51,12 +62,22 @@ bool NextStatement(ObjLines& lines, std::vector<std::string_view>& words) {
       while (i < end && IsSpace(text[i])) ++i;
       const std::size_t begin = i;
       while (i < end && !IsSpace(text[i])) ++i;
+      // A comment may follow; a name may begin with its sign.
+      if (i > begin && text[begin] == '#' && (words.size() > 1 || !HasName(words))) {
+        std::fill(&lines.text[begin], &lines.text[end], ' ');
+        break;
+      }
       if (i > begin) words.push_back(text.substr(begin, i - begin));
     }
     lines.next = end + 1;
-    if (!words.empty() && words[0][0] != '#') return true;
+    if (!words.empty()) return true;
   }
   return false;
+}
+
+void BlankOut(ObjLines& lines, std::string_view part) {
+  const auto at = std::size_t(part.data() - lines.text.data());
+  std::fill_n(lines.text.begin() + std::ptrdiff_t(at), part.size(), ' ');
 }
 
 std::string RestOfStatement(const std::vector<std::string_view>& words) {

@@ -23,9 +23,12 @@ struct ObjLines {
 // Converts the line ends of `text` (\n, \r\n or \r) to \n and merges continued lines.
 ObjLines MakeObjLines(std::string text, std::string path);
 
-// Splits the next statement into words, skipping comments and empty lines. Returns false at the
-// end. `words` is reused from call to call; its views live as long as `lines`.
+// Splits the next statement into words, skipping comments, which become blank, and empty lines.
+// Returns false at the end. `words` is reused from call to call; its views live as long as `lines`.
 bool NextStatement(ObjLines& lines, std::vector<std::string_view>& words);
+
+// Makes a part of the text blank, such as a word.
+void BlankOut(ObjLines& lines, std::string_view part);
 
 // Returns everything between the first word and the end of the statement, because names may contain
 // spaces.

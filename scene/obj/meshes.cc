@@ -67,6 +67,17 @@ std::vector<glm::vec3> Positions(const tinyobj::attrib_t& attributes) {
   return positions;
 }
 
+// Returns the colours of the positions, which programs write in sRGB, if all have one.
+std::vector<glm::vec3> Colors(const tinyobj::attrib_t& attributes) {
+  if (attributes.colors.size() != attributes.vertices.size()) return {};
+  std::vector<glm::vec3> colors(attributes.colors.size() / 3);
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    colors[i] = ColorOfSrgb(
+        {attributes.colors[3 * i], attributes.colors[3 * i + 1], attributes.colors[3 * i + 2]});
+  }
+  return colors;
+}
+
 // Returns three normals for every smooth triangle that has none in the file; sets `computed`.
 std::vector<glm::vec3> ComputeNormals(const std::vector<glm::vec3>& positions, bool has_smoothing,
                                       std::vector<ObjTriangle>& triangles) {
@@ -121,6 +132,7 @@ void Forget(VertexFinder& finder) {
 struct Source {
   const tinyobj::attrib_t& attributes;
   std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> colors;    // of the positions, or empty
   std::vector<glm::vec3> computed;  // normals, three per triangle
 };
 
@@ -153,6 +165,9 @@ Mesh BuildMesh(const Source& source, std::span<const ObjTriangle* const> triangl
     }
     mesh.triangles.push_back(vertices);
   }
+  if (!source.colors.empty()) {
+    for (const std::uint32_t origin : finder.origin) mesh.colors.push_back(source.colors[origin]);
+  }
   Forget(finder);
   NormalizeNormals(mesh);
   AlignWindingWithNormals(mesh);
@@ -166,7 +181,9 @@ void BuildObjMeshes(const tinyobj::attrib_t& attributes,
                     const std::string& path, Scene& scene) {
   std::vector<ObjTriangle> triangles =
       CollectTriangles(attributes, shapes, has_smoothing, scene.materials.size(), path);
-  Source source{attributes, Positions(attributes), {}};
+  Source source{attributes, Positions(attributes), Colors(attributes), {}};
+  // Vertices with colours are of these, and not of the grey that stands for no material.
+  if (!source.colors.empty()) scene.materials[0].reflectance = glm::vec3(1);
   source.computed = ComputeNormals(source.positions, has_smoothing, triangles);
 
   std::vector<const ObjTriangle*> order;

@@ -127,8 +127,7 @@ bool IsGlass(const tinyobj::material_t& mtl) {
   if (mtl.illum == 6 || mtl.illum == 7) return true;
   const bool transmits =
       std::max({mtl.transmittance[0], mtl.transmittance[1], mtl.transmittance[2]}) > 0;
-  if ((mtl.illum == 4 || mtl.illum == 9) && (mtl.dissolve < 1 || transmits)) return true;
-  return mtl.dissolve < 0.5f;
+  return (mtl.illum == 4 || mtl.illum == 9) && (mtl.dissolve < 1 || transmits);
 }
 
 Material Glass(const tinyobj::material_t& mtl) {
@@ -173,14 +172,28 @@ std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture
   return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
 }
 
+// Reads an image, or warns that the statement `word` is left out because it cannot be read.
+std::optional<std::uint32_t> TryImage(const std::string& path, Encoding encoding,
+                                      const Entry& entry, std::string_view word,
+                                      TextureFiles& textures, Warnings& warnings) {
+  try {
+    return AddTextureImage(textures, path, encoding);
+  } catch (const InputError& error) {
+    AddWarning(warnings, At(entry, word),
+               fmt::format("{}: {}: the plain value is used", word, error.what()));
+    return std::nullopt;
+  }
+}
+
 // Returns the texture of map_Kd or map_Ke, or nothing.
 std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
                                       const Entry& entry, std::string_view word,
                                       TextureFiles& textures, Warnings& warnings) {
   const auto path = FindMap(std::move(name), entry, word, warnings);
   if (!path) return std::nullopt;
-  return AddMap(AddTextureImage(textures, *path, Encoding::kSrgb), TextureUse::kColor, option,
-                textures);
+  const auto image = TryImage(*path, Encoding::kSrgb, entry, word, textures, warnings);
+  if (!image) return std::nullopt;
+  return AddMap(*image, TextureUse::kColor, option, textures);
 }
 
 // Tests whether the image is grey, allowing for the artefacts of JPEG.
@@ -193,19 +206,25 @@ bool IsGrey(const Image& image) {
   return true;
 }
 
-// Opacity is d times map_d.
+// Opacity is d times map_d. `Tr 1` without d would leave nothing to see: programs that write it
+// (MeshLab) mean what is opaque.
 void SetOpacity(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
                 Warnings& warnings, Material& material) {
   material.opacity = std::clamp(mtl.dissolve, 0.0f, 1.0f);
+  if (material.opacity == 0 && entry.Has("Tr") && !entry.Has("d")) {
+    AddWarning(warnings, At(entry, "Tr"), "Tr 1, which hides all, is taken for opaque");
+    material.opacity = 1;
+  }
   const auto path = FindMap(mtl.alpha_texname, entry, "map_d", warnings);
   if (!path) return;
   // Many exporters name a picture with an alpha channel and mean that channel.
-  std::uint32_t image = AddTextureImage(textures, *path, Encoding::kAlpha);
-  if (IsWhite(textures.scene->images[image])) {
-    image = AddTextureImage(textures, *path, Encoding::kLinear);
-  }
-  if (IsWhite(textures.scene->images[image])) return;
-  material.opacity_texture = AddMap(image, TextureUse::kOpacity, mtl.alpha_texopt, textures);
+  const auto read = [&](Encoding encoding) {
+    return TryImage(*path, encoding, entry, "map_d", textures, warnings);
+  };
+  auto image = read(Encoding::kAlpha);
+  if (image && IsWhite(textures.scene->images[*image])) image = read(Encoding::kLinear);
+  if (!image || IsWhite(textures.scene->images[*image])) return;
+  material.opacity_texture = AddMap(*image, TextureUse::kOpacity, mtl.alpha_texopt, textures);
 }
 
 // A coloured map holds normals, which many exporters write under all these names; a grey one holds
@@ -219,7 +238,10 @@ void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFil
                             word == kReliefMaps.end() ? "bump" : *word, warnings);
   if (!path) return;
   const tinyobj::texture_option_t& option = bumped ? mtl.bump_texopt : mtl.normal_texopt;
-  const std::uint32_t index = AddTextureImage(textures, *path, Encoding::kLinear);
+  const auto read = TryImage(*path, Encoding::kLinear, entry,
+                             word == kReliefMaps.end() ? "bump" : *word, textures, warnings);
+  if (!read) return;
+  const std::uint32_t index = *read;
   const Image& image = textures.scene->images[index];
   const bool heights = bumped && IsGrey(image);
   material.normal_texture =

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 // Returns the files of one mtllib: one name with spaces, or several names. Windows programs write
 // backslashes.
-std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path) {
+std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path,
+                                          Warnings& warnings) {
   const fs::path folder = fs::path(path).parent_path();
   std::error_code ignored;
   const auto find = [&](std::string name) -> std::string {
@@ -34,11 +35,12 @@ std::vector<std::string> ResolveLibraries(const ObjName& library, const std::str
   std::vector<std::string> files;
   std::istringstream names(library.name);
   for (std::string name; names >> name;) {
-    files.push_back(find(name));
-    if (files.back().empty()) {
-      throw InputError(InputPosition::Line(path, library.line),
-                       fmt::format("there is no file \"{}\"", name), kExitIo);
+    if (std::string file = find(name); !file.empty()) {
+      files.push_back(std::move(file));
+      continue;
     }
+    AddWarning(warnings, InputPosition::Line(path, library.line),
+               fmt::format("there is no file \"{}\": its materials are grey Lambert", name));
   }
   return files;
 }
@@ -51,7 +53,7 @@ std::map<std::string, int> ReadLibraries(const ObjStatements& statements, const 
   std::vector<std::string> done;
   TextureFiles textures{&scene};
   for (const ObjName& library : statements.libraries) {
-    for (const std::string& file : ResolveLibraries(library, path)) {
+    for (const std::string& file : ResolveLibraries(library, path, warnings)) {
       if (std::find(done.begin(), done.end(), file) != done.end()) continue;
       done.push_back(file);
       for (Material& material : ReadMtl(file, textures, warnings)) {

@@ -1,7 +1,10 @@
 #include "scene/shapes/mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "image/srgb.h"
 
 namespace skywave {
 namespace {
@@ -87,6 +90,15 @@ void NormalizeNormals(Mesh& mesh) {
       mesh.normals[i] = fallback[i];
     }
   }
+}
+
+glm::vec3 ColorOfSrgb(const glm::vec3& encoded) {
+  glm::vec3 color;
+  for (int c = 0; c < 3; ++c) {
+    const double share = encoded[c] > 0 ? std::min(double(encoded[c]), 1.0) : 0;
+    color[c] = float(LinearFromSrgb(share));
+  }
+  return color;
 }
 
 std::size_t FirstNonFinite(const std::vector<glm::vec3>& positions) {

@@ -13,6 +13,10 @@ namespace skywave {
 // winding is swapped so that (p1 - p0) x (p2 - p0) stays on the side that the normals point to.
 void TransformMesh(const glm::dmat4& to, Mesh& mesh);
 
+// Returns the linear colour of a vertex for numbers in [0, 1] of sRGB, in which programs write them
+// to OBJ and PLY. Others are clamped, and NaN is black.
+glm::vec3 ColorOfSrgb(const glm::vec3& encoded);
+
 // Swaps inside and outside by reversing winding and normals.
 void FlipOrientation(Mesh& mesh);
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -45,8 +48,9 @@ double ReadAscii(Data& data, PlyType type) {
   SkipSpace(data);
   const std::size_t begin = data.next;
   while (data.next < data.bytes.size() && !IsSpace(data.bytes[data.next])) ++data.next;
-  const std::string_view word = data.bytes.substr(begin, data.next - begin);
+  std::string_view word = data.bytes.substr(begin, data.next - begin);
   if (word.empty()) data.Fail("the file ends in the middle of its data");
+  if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || stop != word.data() + word.size()) {
@@ -120,24 +124,46 @@ void SkipElements(Data& data, const PlyElement& element) {
   }
 }
 
-// A vertex property is stored in a slot: 0-2 position, 3-5 normal, 6-7 uv.
-constexpr int kSlots = 8, kNoSlot = -1;
+// A vertex property is stored in a slot: 0-2 position, 3-5 normal, 6-7 uv, 8-10 colour.
+constexpr int kSlots = 11, kNoSlot = -1;
 
 bool IsOfNormal(int slot) { return slot >= 3 && slot <= 5; }
 
 int SlotOf(const PlyProperty& property) {
-  constexpr std::string_view kNames[][kSlots] = {
-      {"x", "y", "z", "nx", "ny", "nz", "u", "v"},
-      {"", "", "", "", "", "", "s", "t"},
-      {"", "", "", "", "", "", "texture_u", "texture_v"},
-      {"", "", "", "", "", "", "texture_s", "texture_t"},
+  struct Name {
+    std::string_view name;
+    int slot;
   };
-  for (const auto& names : kNames) {
-    for (int slot = 0; slot < kSlots; ++slot) {
-      if (names[slot] == property.name && !property.is_list) return slot;
-    }
+  constexpr Name kNames[] = {{"x", 0},
+                             {"y", 1},
+                             {"z", 2},
+                             {"nx", 3},
+                             {"ny", 4},
+                             {"nz", 5},
+                             {"u", 6},
+                             {"v", 7},
+                             {"s", 6},
+                             {"t", 7},
+                             {"texture_u", 6},
+                             {"texture_v", 7},
+                             {"texture_s", 6},
+                             {"texture_t", 7},
+                             {"red", 8},
+                             {"green", 9},
+                             {"blue", 10},
+                             {"diffuse_red", 8},
+                             {"diffuse_green", 9},
+                             {"diffuse_blue", 10}};
+  for (const Name& known : kNames) {
+    if (known.name == property.name && !property.is_list) return known.slot;
   }
   return kNoSlot;
+}
+
+// Returns the largest value of a colour: that of an integer, or 1.
+double MostOfColor(PlyType type) {
+  if (!IsPlyInteger(type)) return 1;
+  return PlyTypeSize(type) == 1 ? 255 : PlyTypeSize(type) == 2 ? 65535 : 4294967295.0;
 }
 
 void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& report) {
@@ -152,9 +178,11 @@ void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& 
   if (!(uses[0] && uses[1] && uses[2])) data.Fail("vertices without x, y and z");
   if (element.count > std::numeric_limits<std::uint32_t>::max()) data.Fail("too many vertices");
   const bool has_normals = uses[3] && uses[4] && uses[5], has_uvs = uses[6] && uses[7];
+  const bool has_colors = uses[8] && uses[9] && uses[10];
   mesh.positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
+  if (has_colors) mesh.colors.reserve(element.count);
 
   std::array<float, kSlots> values{};
   for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -164,7 +192,10 @@ void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& 
         SkipProperty(data, element.properties[p]);
         continue;
       }
-      const float value = static_cast<float>(ReadValue(data, element.properties[p].type));
+      const PlyType type = element.properties[p].type;
+      const bool of_color = slots[p] >= 8;
+      const auto value =
+          static_cast<float>(ReadValue(data, type) / (of_color ? MostOfColor(type) : 1.0));
       if (!std::isfinite(value) && IsOfNormal(slots[p])) {
         has_normal = false;
       } else if (!std::isfinite(value)) {
@@ -179,30 +210,41 @@ void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& 
       report.bad_normals += has_normal ? 0 : 1;
     }
     if (has_uvs) mesh.uvs.emplace_back(values[6], values[7]);
+    if (has_colors) mesh.colors.push_back(ColorOfSrgb({values[8], values[9], values[10]}));
   }
 }
 
-void ReadPolygon(Data& data, const PlyProperty& list, std::uint64_t face, std::uint64_t vertices,
-                 std::vector<glm::uvec3>& triangles) {
+// Returns the next index of a vertex, or nothing for one that is `end`.
+std::optional<std::uint32_t> ReadIndex(Data& data, PlyType type, std::string_view what,
+                                       std::uint64_t number, std::uint64_t vertices,
+                                       std::optional<double> end = std::nullopt) {
+  const double index = ReadValue(data, type);
+  if (end && index == *end) return std::nullopt;
+  if (!(index >= 0 && index < static_cast<double>(vertices))) {
+    data.Fail(fmt::format("{} {}: index {} is not in 0..{}, the vertices of the file", what, number,
+                          index, static_cast<std::int64_t>(vertices) - 1));
+  }
+  return static_cast<std::uint32_t>(index);
+}
+
+// Reads a polygon and returns how many corners it has; its triangles are a fan.
+std::size_t ReadPolygon(Data& data, const PlyProperty& list, std::uint64_t face,
+                        std::uint64_t vertices, std::vector<glm::uvec3>& triangles) {
   const std::size_t corners = ReadCount(data, list);
-  if (corners < 3) data.Fail(fmt::format("face {} has {} corners", face, corners));
   glm::uvec3 triangle(0);
   for (std::size_t corner = 0; corner < corners; ++corner) {
-    const double index = ReadValue(data, list.type);
-    if (!(index >= 0 && index < static_cast<double>(vertices))) {
-      data.Fail(fmt::format("face {}: index {} is not in 0..{}, the vertices of the file", face,
-                            index, static_cast<std::int64_t>(vertices) - 1));
-    }
     triangle[static_cast<int>(std::min<std::size_t>(corner, 2))] =
-        static_cast<std::uint32_t>(index);
+        *ReadIndex(data, list.type, "face", face, vertices);
     if (corner >= 2) {
       triangles.push_back(triangle);
       triangle.y = triangle.z;
     }
   }
+  return corners;
 }
 
-void ReadFaces(Data& data, const PlyElement& element, std::uint64_t vertices, Mesh& mesh) {
+// Returns the list of indices of an element of faces or strips.
+const PlyProperty& IndexList(const Data& data, const PlyElement& element) {
   const PlyProperty* indices = nullptr;
   for (const PlyProperty& property : element.properties) {
     if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
@@ -212,16 +254,88 @@ void ReadFaces(Data& data, const PlyElement& element, std::uint64_t vertices, Me
     indices = &property;
   }
   if (!indices) data.Fail("faces without a list vertex_indices");
+  return *indices;
+}
+
+// Reads faces, and appends to `corner_uvs` three coordinates for each of their triangles if the
+// faces have coordinates of their own.
+void ReadFaces(Data& data, const PlyElement& element, std::uint64_t vertices, Mesh& mesh,
+               PlyReport& report, std::vector<glm::vec2>& corner_uvs) {
+  const PlyProperty& indices = IndexList(data, element);
+  const auto has_uvs = [](const PlyProperty& property) {
+    return property.name == "texcoord" && property.is_list && !IsPlyInteger(property.type);
+  };
+  const bool own_uvs = std::any_of(element.properties.begin(), element.properties.end(), has_uvs);
   mesh.triangles.reserve(element.count);
+  std::vector<glm::vec2> uvs;
   for (std::uint64_t face = 0; face < element.count; ++face) {
+    const std::size_t before = mesh.triangles.size();
+    uvs.clear();
     for (const PlyProperty& property : element.properties) {
-      if (&property == indices) {
-        ReadPolygon(data, property, face, vertices, mesh.triangles);
+      if (&property == &indices) {
+        report.small_faces += ReadPolygon(data, property, face, vertices, mesh.triangles) < 3;
+      } else if (has_uvs(property)) {
+        const std::size_t count = ReadCount(data, property);
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto value = static_cast<float>(ReadValue(data, property.type));
+          if (!std::isfinite(value)) data.Fail("'texcoord' is not finite");
+          if (i % 2 == 0) uvs.emplace_back(value, 0);
+          if (i % 2 == 1) uvs.back().y = value;
+        }
       } else {
         SkipProperty(data, property);
       }
     }
+    for (std::size_t t = before; own_uvs && t < mesh.triangles.size(); ++t) {
+      const std::size_t second = t - before + 1;
+      for (const std::size_t corner : {std::size_t{0}, second, second + 1}) {
+        corner_uvs.push_back(corner < uvs.size() ? uvs[corner] : glm::vec2(0));
+      }
+    }
   }
+}
+
+// Reads strips, every second triangle of which is wound the other way round.
+void ReadStrips(Data& data, const PlyElement& element, std::uint64_t vertices, Mesh& mesh) {
+  const PlyProperty& indices = IndexList(data, element);
+  for (std::uint64_t strip = 0; strip < element.count; ++strip) {
+    for (const PlyProperty& property : element.properties) {
+      if (&property != &indices) {
+        SkipProperty(data, property);
+        continue;
+      }
+      const std::size_t count = ReadCount(data, property);
+      glm::uvec3 last(0);
+      std::size_t length = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto index = ReadIndex(data, property.type, "strip", strip, vertices, -1.0);
+        if (!index) {
+          length = 0;
+          continue;
+        }
+        last = {last.y, last.z, *index};
+        if (++length < 3) continue;
+        mesh.triangles.push_back(length % 2 == 1 ? last : glm::uvec3(last.y, last.x, last.z));
+      }
+    }
+  }
+}
+
+// Gives every triangle vertices of its own, with these coordinates.
+void SplitCorners(const std::vector<glm::vec2>& corner_uvs, Mesh& mesh) {
+  Mesh split;
+  split.uvs = corner_uvs;
+  for (glm::uvec3& triangle : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t from = triangle[c];
+      split.positions.push_back(mesh.positions[from]);
+      if (!mesh.normals.empty()) split.normals.push_back(mesh.normals[from]);
+      if (!mesh.colors.empty()) split.colors.push_back(mesh.colors[from]);
+      triangle[c] = std::uint32_t(split.positions.size() - 1);
+    }
+  }
+  split.triangles = std::move(mesh.triangles);
+  mesh = std::move(split);
 }
 
 const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
@@ -234,7 +348,6 @@ const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
     }
     found = &element;
   }
-  if (!found) throw InputError(InputPosition::File(path), fmt::format("has no element '{}'", name));
   return found;
 }
 
@@ -245,24 +358,35 @@ Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report
   const PlyHeader header = ParsePlyHeader(bytes, path);
   const PlyElement* vertices = FindElement(header, "vertex", path);
   const PlyElement* faces = FindElement(header, "face", path);
+  const PlyElement* strips = FindElement(header, "tristrips", path);
+  for (const auto& [element, name] :
+       {std::pair(vertices, "vertex"), std::pair(faces != nullptr ? faces : strips, "face")}) {
+    if (element) continue;
+    throw InputError(InputPosition::File(path), fmt::format("has no element '{}'", name));
+  }
   Data data{bytes, path, header.format, header.data_begin, header.lines + 1};
   Mesh mesh;
+  std::vector<glm::vec2> corner_uvs;
   for (const PlyElement& element : header.elements) {
     if (&element == vertices) {
       ReadVertices(data, element, mesh, found);
     } else if (&element == faces) {
-      ReadFaces(data, element, vertices->count, mesh);
+      ReadFaces(data, element, vertices->count, mesh, found, corner_uvs);
+    } else if (&element == strips) {
+      ReadStrips(data, element, vertices->count, mesh);
     } else {
       SkipElements(data, element);
     }
   }
   if (data.format == PlyFormat::kAscii) SkipSpace(data);
-  if (data.Left() > 0) {
-    data.Fail(fmt::format("{} bytes follow the last element", data.Left()));
+  found.trailing_bytes = data.Left();
+  found.texture = header.texture;
+  if (corner_uvs.size() == 3 * mesh.triangles.size() && !corner_uvs.empty()) {
+    SplitCorners(corner_uvs, mesh);
   }
   NormalizeNormals(mesh);
   AlignWindingWithNormals(mesh);
-  found.polygons = std::size_t(faces->count);
+  found.polygons = faces != nullptr ? std::size_t(faces->count) : mesh.triangles.size();
   if (report != nullptr) *report = found;
   return mesh;
 }
@@ -272,11 +396,21 @@ Mesh ReadPly(const std::string& path, PlyReport* report) {
 }
 
 void WarnOfPly(const PlyReport& report, const InputPosition& position, Warnings& warnings) {
-  if (report.bad_normals == 0) return;
-  AddWarning(warnings, position,
-             fmt::format("normals that are not finite, {} in number: those of the faces around the "
-                         "vertex are used",
-                         report.bad_normals));
+  if (report.bad_normals > 0) {
+    AddWarning(warnings, position,
+               fmt::format("normals that are not finite, {} in number: those of the faces around "
+                           "the vertex are used",
+                           report.bad_normals));
+  }
+  if (report.small_faces > 0) {
+    AddWarning(warnings, position,
+               fmt::format("faces of fewer than three corners, {} in number: left out",
+                           report.small_faces));
+  }
+  if (report.trailing_bytes > 0) {
+    AddWarning(warnings, position,
+               fmt::format("{} bytes follow the last element: ignored", report.trailing_bytes));
+  }
 }
 
 }  // namespace skywave

@@ -144,6 +144,11 @@ PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& path) {
   header.format = ParseFormat(lines, lines.Next());
   while (true) {
     const std::vector<std::string_view> words = lines.Next();
+    if (words.size() > 2 && words[0] == "comment" && words[1] == "TextureFile" &&
+        header.texture.empty()) {
+      header.texture = {words[2].data(),
+                        std::size_t(words.back().data() + words.back().size() - words[2].data())};
+    }
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "element") {

@@ -40,6 +40,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
+  std::string texture;         // the first file that MeshLab's comments name: TextureFile NAME
   std::size_t data_begin = 0;  // [bytes] offset of the first byte after the header
   std::size_t lines = 0;       // lines of the header, end_header included
 };

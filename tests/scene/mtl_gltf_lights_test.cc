@@ -38,7 +38,7 @@ TEST(MtlEmission, IsRadianceOnBothSides) {
   EXPECT_TRUE(material.emits_on_both_sides);
   ExpectNear(OnlyMaterial("Ke 3\n").emission, glm::vec3(3));  // grey
   EXPECT_EQ(OnlyMaterial("Kd 1 1 1\n").emission, glm::vec3(0));
-  EXPECT_EQ(OnlyMaterial("d 0\nKe 1 1 1\n").emission, glm::vec3(1));  // glass can emit too
+  EXPECT_EQ(OnlyMaterial("illum 7\nKe 1 1 1\n").emission, glm::vec3(1));  // glass can emit too
   try {
     OnlyMaterial("Ke 1 1e20 1\n");
     ADD_FAILURE();

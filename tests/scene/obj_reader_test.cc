@@ -256,8 +256,8 @@ TEST(Mtl, MetalsMirrorsAndGlassAreRecognised) {
     EXPECT_EQ(mirror.bsdf, BsdfKind::kMirror);
     ExpectNear(mirror.reflectance, {0.9f, 0.8f, 0.7f});
   }
-  for (const char* glass : {"d 0.1\nNi 1.33", "Tr 0.9\nNi 1.33", "illum 7\nNi 1.33",
-                            "illum 4\nTf 1 1 1\nNi 1.33", "illum 9\nd 0.9\nNi 1.33"}) {
+  for (const char* glass :
+       {"illum 7\nNi 1.33", "illum 4\nTf 1 1 1\nNi 1.33", "illum 9\nd 0.9\nNi 1.33"}) {
     const Material material = OnlyMaterial(glass);
     EXPECT_EQ(material.bsdf, BsdfKind::kDielectric) << glass;
     EXPECT_FLOAT_EQ(material.ior, 1.33f) << glass;
