@@ -125,6 +125,7 @@ std::uint64_t Renderer::samples() const {
          ChooseSamples(state_->limits, state_->identity.samples).count();
 }
 const std::vector<Layer>& Renderer::layers() const { return state_->layers; }
+const std::vector<std::string>& Renderer::warnings() const { return state_->job->warnings(); }
 const std::vector<std::string>& Renderer::notes() const { return state_->notes; }
 
 void Renderer::Render(const RenderControl& control) {

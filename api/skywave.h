@@ -247,7 +247,9 @@ class SKYWAVE_API Renderer {
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
   std::uint64_t samples() const;  // of the whole picture
-  // Returns one line for each thing that was assumed, repaired or left out.
+  // Returns one line for each thing that is not rendered as the scene asks.
+  const std::vector<std::string>& warnings() const;
+  // Returns one line for each thing that was assumed or repaired.
   const std::vector<std::string>& notes() const;
 
   // Renders the picture with the number of threads that the option "threads" gives.

@@ -130,18 +130,22 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
              }});
   };
   BatchReporter reporter;
-  std::set<std::string> told;  // notes are the same for many pictures
+  std::set<std::string> told;  // remarks are the same for many pictures
   reporter.end = [&](const BatchPicture&, const PictureResult& result) {
     if (result.status == PictureStatus::kRendered) {
       display.End();
     } else {
       display.Skip();
     }
-    for (const std::string& note : result.notes) {
-      if (flags.progress.quiet || !told.insert(note).second) continue;
-      display.Clear();
-      PrintNotes({note});
-    }
+    const auto tell = [&](const std::vector<std::string>& remarks, bool are_warnings) {
+      for (const std::string& remark : remarks) {
+        if (flags.progress.quiet || !told.insert(remark).second) continue;
+        display.Clear();
+        are_warnings ? PrintWarnings({remark}) : PrintNotes({remark});
+      }
+    };
+    tell(result.warnings, true);
+    tell(result.notes, false);
   };
   BatchFiles files(plan, flags.only);
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };

@@ -187,6 +187,7 @@ nlohmann::ordered_json Json(const SceneFile& file) {
       {"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}, {"bvh", file.bvh_bytes}};
   json["seconds"] = {{"load", file.load_seconds}, {"build", file.build_seconds}};
   json["not_supported"] = scene.warnings;
+  json["notes"] = scene.notes;
   return json;
 }
 
@@ -308,8 +309,12 @@ void PrintScene(const std::string& path, const SceneFile& file) {
           total.power);
   }
   if (lights == 0) Print(stdout, "  give an illumination map with --env MAP\n");
-  Print(stdout, "\n{} remarks\n", scene.warnings.size());
-  for (const std::string& warning : scene.warnings) Print(stdout, "  {}\n", warning);
+  const auto list = [](const char* what, const std::vector<std::string>& remarks) {
+    Print(stdout, "\n{} {}\n", remarks.size(), what);
+    for (const std::string& remark : remarks) Print(stdout, "  {}\n", remark);
+  };
+  list("warnings", scene.warnings);
+  list("notes", scene.notes);
 }
 
 int InfoMain(const InfoFlags& flags) {

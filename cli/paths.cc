@@ -126,7 +126,7 @@ int PathsMain(PathsFlags& flags) {
                      fmt::format("there would be too many layers; at most {}", kDeepest),
                      kExitUsage);
   }
-  if (!flags.progress.quiet) PrintNotes(job.notes());
+  if (!flags.progress.quiet) PrintRemarks(job);
   std::vector<TechniquePicture> pictures = TechniquesTo(options.max_depth);
   Image whole;
   const std::uint64_t samples =

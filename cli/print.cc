@@ -4,6 +4,8 @@
 
 #include <cerrno>
 
+#include "job/job.h"
+
 namespace skywave {
 
 void PutText(std::FILE* file, std::string_view text) {
@@ -15,6 +17,15 @@ void Put(std::FILE* file, const std::string& text) {
   if (std::fflush(file) == 0 || errno != EPIPE) return;
   __fpurge(file);
   std::clearerr(file);
+}
+
+void PrintWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) Put(stderr, "warning: " + warning + "\n");
+}
+
+void PrintRemarks(const RenderJob& job) {
+  PrintWarnings(job.warnings());
+  PrintNotes(job.notes());
 }
 
 void PrintNotes(const std::vector<std::string>& notes) {

@@ -13,6 +13,8 @@
 
 namespace skywave {
 
+class RenderJob;
+
 // Prints through the buffer of `file`.
 void PutText(std::FILE* file, std::string_view text);
 
@@ -27,5 +29,8 @@ void Print(std::FILE* file, fmt::format_string<Values...> format, Values&&... va
 
 // Prints each note as a line of standard error.
 void PrintNotes(const std::vector<std::string>& notes);
+// Prints what is not rendered as the scene asks, and what was assumed.
+void PrintWarnings(const std::vector<std::string>& warnings);
+void PrintRemarks(const RenderJob& job);
 
 }  // namespace skywave

@@ -138,7 +138,10 @@ api::Renderer ReadRenderer(const RenderFlags& flags) {
 
 // Renders, and shows progress and what signals ask for.
 void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
-  if (!flags.progress.quiet) PrintNotes(renderer.notes());
+  if (!flags.progress.quiet) {
+    PrintWarnings(renderer.warnings());
+    PrintNotes(renderer.notes());
+  }
   const std::size_t notes = renderer.notes().size();
   ProgressDisplay display(flags.progress);
   api::RenderControl control = {.progress =

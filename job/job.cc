@@ -124,7 +124,8 @@ RenderJob::RenderJob(Scene scene, const JobRequest& request)
     : RenderJob(SharedScene(std::make_shared<LoadedScene>(std::move(scene))), request) {}
 
 void RenderJob::Build(JobParts parts, const JobRequest& request) {
-  notes_ = parts.loaded().warnings;
+  warnings_ = parts.loaded().warnings;
+  notes_ = parts.loaded().notes;
   if (request.read.frame && parts.loaded().animations.empty() &&
       !IsMapSequence(request.environment.path)) {
     notes_.push_back(fmt::format("{}: has no animation, so all of its frames are the same{}",

@@ -66,7 +66,9 @@ class RenderJob {
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
   std::uint64_t map_hash() const { return map_hash_; }  // of the illumination map alone
-  // What was not understood, repaired or assumed; one line each, for the user.
+  // One line each, for the user: what is not rendered as the scene file asks,
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  // and what was repaired or assumed.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -98,7 +100,7 @@ class RenderJob {
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0, map_hash_ = 0;
   JobTimes times_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> warnings_, notes_;
 };
 
 }  // namespace skywave

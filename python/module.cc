@@ -33,6 +33,11 @@ py::str Text(const std::string& text) {
   if (object == nullptr) throw py::error_already_set();
   return py::reinterpret_steal<py::str>(object);
 }
+py::list TextList(const std::vector<std::string>& lines) {
+  py::list list;
+  for (const std::string& line : lines) list.append(Text(line));
+  return list;
+}
 
 // Calls `function` without Python's lock, so that other threads run meanwhile.
 template <class Function>
@@ -251,14 +256,13 @@ void AddRenderer(py::module_& module) {
              }
              return layers;
            })
+      .def("warnings",
+           [](Renderer& renderer) {
+             return TextList(renderer.Use([](api::Renderer& r) { return r.warnings(); }));
+           })
       .def("notes",
            [](Renderer& renderer) {
-             py::list notes;
-             for (const std::string& note :
-                  renderer.Use([](api::Renderer& r) { return r.notes(); })) {
-               notes.append(Text(note));
-             }
-             return notes;
+             return TextList(renderer.Use([](api::Renderer& r) { return r.notes(); }));
            })
       .def("render",
            [](Renderer& renderer, const py::object& progress, const std::string& checkpoint,

@@ -56,7 +56,7 @@ Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   }
   scene.materials.push_back(std::move(material));
   scene.meshes.push_back(std::move(mesh));
-  scene.warnings = WarningLines(warnings);
+  SetRemarks(warnings, scene);
   return scene;
 }
 

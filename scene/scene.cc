@@ -61,7 +61,9 @@ Bounds SceneBounds(const Scene& scene, const std::string& path) {
   if (!IsEmpty(bounds)) return bounds;
   if (scene.environments.empty()) {
     std::string reason = "has no triangle to render";
-    for (const std::string& warning : scene.warnings) reason += "\n  " + warning;
+    for (const auto* remarks : {&scene.warnings, &scene.notes}) {
+      for (const std::string& remark : *remarks) reason += "\n  " + remark;
+    }
     throw InputError(InputPosition::File(path), reason);
   }
   return {glm::vec3(-1), glm::vec3(1)};

@@ -180,6 +180,7 @@ struct Scene {
   bool left_handed = false;
   char up_axis = 'y';                 // 'x', 'y' or 'z': up of --env and of automatic framing
   std::vector<std::string> warnings;  // "file:line: what is not supported and what happens instead"
+  std::vector<std::string> notes;     // "file:line: what has no effect on the picture"
 };
 
 struct Bounds {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/scene.h"
+
 namespace skywave {
 
 namespace {
@@ -32,6 +34,26 @@ std::string NamesOf(const Warnings::Entry& entry) {
   return text + ": ";
 }
 
+void AddRemark(Warnings& warnings, const InputPosition& position, const std::string& raw,
+               bool is_warning) {
+  const std::string text = WithoutControlCodes(raw);
+  const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());
+  if (is_new) {
+    warnings.entries.push_back({.first = position, .text = text, .is_warning = is_warning});
+  }
+  ++warnings.entries[found->second].count;
+}
+
+std::vector<std::string> Lines(const Warnings& warnings, bool of_warnings) {
+  std::vector<std::string> lines;
+  for (const Warnings::Entry& entry : warnings.entries) {
+    if (entry.is_warning != of_warnings) continue;
+    lines.push_back(fmt::format("{}: {}{}", ToString(entry.first), NamesOf(entry), entry.text));
+    if (entry.count > 1) lines.back() += fmt::format(" ({} times)", entry.count);
+  }
+  return lines;
+}
+
 }  // namespace
 
 void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
@@ -43,8 +65,12 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
   const auto [found, is_new] =
       warnings.by_text.try_emplace(thing + ": " + clean, warnings.entries.size());
   if (is_new) {
-    warnings.entries.push_back(
-        {.first = position, .text = clean, .count = 1, .thing = thing, .names = {}});
+    warnings.entries.push_back({.first = position,
+                                .text = clean,
+                                .count = 1,
+                                .thing = thing,
+                                .names = {},
+                                .is_warning = true});
   }
   Warnings::Entry& entry = warnings.entries[found->second];
   if (!entry.names.empty() && entry.last == of) return;
@@ -57,23 +83,19 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
   if (warnings.strict) {
     throw InputError(position, WithoutControlCodes(text) + " (refused by --strict)");
   }
-  AddNote(warnings, position, text);
+  AddRemark(warnings, position, text, true);
 }
 
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw) {
-  const std::string text = WithoutControlCodes(raw);
-  const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());
-  if (is_new) warnings.entries.push_back({.first = position, .text = text});
-  ++warnings.entries[found->second].count;
+  AddRemark(warnings, position, raw, false);
 }
 
-std::vector<std::string> WarningLines(const Warnings& warnings) {
-  std::vector<std::string> lines;
-  for (const Warnings::Entry& entry : warnings.entries) {
-    lines.push_back(fmt::format("{}: {}{}", ToString(entry.first), NamesOf(entry), entry.text));
-    if (entry.count > 1) lines.back() += fmt::format(" ({} times)", entry.count);
-  }
-  return lines;
+std::vector<std::string> WarningLines(const Warnings& warnings) { return Lines(warnings, true); }
+std::vector<std::string> NoteLines(const Warnings& warnings) { return Lines(warnings, false); }
+
+void SetRemarks(const Warnings& warnings, Scene& scene) {
+  scene.warnings = WarningLines(warnings);
+  scene.notes = NoteLines(warnings);
 }
 
 }  // namespace skywave

@@ -10,6 +10,8 @@
 
 namespace skywave {
 
+struct Scene;
+
 struct Warnings {
   struct Entry {
     InputPosition first;
@@ -20,13 +22,14 @@ struct Warnings {
     std::vector<std::string> names;
     std::size_t named = 0;  // how many there are
     std::string last;       // the last name, which is not counted twice in a row
+    bool is_warning = false;
   };
   std::vector<Entry> entries;  // in the order of their first appearance
   std::unordered_map<std::string, std::size_t> by_text;
   bool strict = false;  // throw instead of adding a warning
 };
 
-// Notes that the picture differs from the file's description: `text` names the cause and the
+// Warns that the picture differs from the file's description: `text` names the cause and the
 // substitute. Throws it as an InputError if warnings are refused.
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text);
 
@@ -39,7 +42,11 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
 // description. Never refused.
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw);
 
-// Returns "file:line: text", with " (N times)" appended if it occurred more than once.
+// Return "file:line: text" of the warnings and of the notes, with " (N times)" appended if it
+// occurred more than once.
 std::vector<std::string> WarningLines(const Warnings& warnings);
+std::vector<std::string> NoteLines(const Warnings& warnings);
+// Gives both to a scene that has been read.
+void SetRemarks(const Warnings& warnings, Scene& scene);
 
 }  // namespace skywave

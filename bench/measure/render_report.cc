@@ -121,6 +121,8 @@ std::string JsonText(const RenderReport& report) {
                      {"render", seconds},
                      {"render_processor", report.frame.processor_seconds},
                      {"write", report.write_seconds}};
+  json["warnings"] = report.job->warnings();
+  json["notes"] = report.job->notes();
   json["peak_memory_mib"] = PeakMemoryMib();
   json["samples"] = stats.samples;
   json["rendered_samples_per_pixel"] = report.frame.samples_per_pixel;

@@ -189,7 +189,7 @@ int BenchScene(const BenchFlags& flags) {
   const FilesRead inputs;
   const RenderJob job(flags.request);
   inputs.CheckAreNot(std::array{flags.json});
-  PrintNotes(job.notes());
+  PrintRemarks(job);
   Film film = job.MakeFilm();
   const Speed speed = MeasureSpeed(
       job,

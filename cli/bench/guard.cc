@@ -85,7 +85,7 @@ int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
   const FilesRead inputs;
   const RenderJob job(flags.request);
   inputs.CheckAreNot(std::array{flags.baseline});
-  PrintNotes(job.notes());
+  PrintRemarks(job);
   Baseline baseline = MeasureBaseline(job, flags, flags.gates);
   if (!baseline.not_counted.empty()) {
     Print(stderr, "note: no instructions: {}\n", baseline.not_counted);
@@ -108,7 +108,7 @@ int GuardScene(const BenchFlags& flags) {
   }
   const Baseline baseline = ReadBaseline(flags.baseline);
   const RenderJob job(flags.request);
-  PrintNotes(job.notes());
+  PrintRemarks(job);
   const Baseline now = MeasureBaseline(job, flags, flags.gates);
   std::vector<GateResult> results = Judge(baseline, now, flags, flags.gates);
   // A slow minute of the machine is not a regression, and is seldom followed by another.
@@ -137,7 +137,7 @@ int GuardScene(const BenchFlags& flags) {
 
 int PrintCounters(const BenchFlags& flags) {
   const RenderJob job(flags.request);
-  PrintNotes(job.notes());
+  PrintRemarks(job);
   Film film = job.MakeFilm();
   const FrameResult frame = RenderFrame(job.frame(), film);
   for (const auto& [name, value] : CountersOf(job, film, frame.stats)) {
@@ -148,7 +148,7 @@ int PrintCounters(const BenchFlags& flags) {
 
 int PrintInstructions(const BenchFlags& flags) {
   const RenderJob job(flags.request);
-  PrintNotes(job.notes());
+  PrintRemarks(job);
   const InstructionCounts counts = CountInstructions(job.request());
   if (!counts.skipped.empty()) {
     Print(stdout, "skipped: {}\n", counts.skipped);

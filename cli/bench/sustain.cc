@@ -36,7 +36,7 @@ SustainedJobs PrepareSustained(const BenchFlags& flags) {
   };
   if (flags.has_scene()) {
     render(flags.request);
-    PrintNotes(prepared.jobs.back()->notes());
+    PrintRemarks(*prepared.jobs.back());
     prepared.subject = "skywave render" + PictureOptions(prepared.jobs.back()->request());
     return prepared;
   }

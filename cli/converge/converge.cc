@@ -59,7 +59,7 @@ int ConvergeMain(const ConvergeFlags& flags) {
   const FilesRead inputs;
   const RenderJob job(flags.request.job);
   inputs.CheckAreNot(std::array{flags.json, flags.plot, flags.html, flags.request.save_reference});
-  if (!flags.progress.quiet) PrintNotes(job.notes());
+  if (!flags.progress.quiet) PrintRemarks(job);
   // The steps are the reference, unless it is given, and the measurement.
   std::optional<ProgressDisplay> display(std::in_place, flags.progress,
                                          flags.request.reference == "auto" ? 2 : 1);

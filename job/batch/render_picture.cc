@@ -129,7 +129,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     for (const std::string& input : inputs_) CheckNotInput(output, input);
   }
   result.status = PictureStatus::kRendered;
-  result.notes = job.notes();
+  result.warnings = job.warnings(), result.notes = job.notes();
   const RenderOptions& options = job.options();
   if (watcher.begin) {
     const std::uint64_t samples = std::uint64_t(options.width) * std::uint64_t(options.height) *

@@ -32,10 +32,10 @@ struct PictureResult {
   double load_seconds = 0;  // scene and map read, BVH and tables built
   double render_seconds = 0;
   double write_seconds = 0;
-  std::uint64_t samples = 0;       // of all pixels
-  std::optional<double> noise;     // relative error of the picture
-  std::vector<std::string> notes;  // what was assumed or left out, for the user
-  std::string hash;                // of the bytes of the EXR
+  std::uint64_t samples = 0;                 // of all pixels
+  std::optional<double> noise;               // relative error of the picture
+  std::vector<std::string> warnings, notes;  // those of the job, for the user
+  std::string hash;                          // of the bytes of the EXR
   std::string error;
   int exit_code = 0;  // exit code that the error would give the program
 };

@@ -74,6 +74,7 @@ class Picture:
     height: int
     rgb: _Floats
     layers: dict[str, _Floats]
+    warnings: list[str]
     notes: list[str]
     @property
     def statistics(self) -> dict[str, Any]: ...

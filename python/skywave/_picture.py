@@ -12,7 +12,8 @@ class Picture:
     rgb: linear radiance, (height, width, 3), float32; rows from the top.
     layers: arrays (height, width) or (height, width, channels) by the name of the layer.
     statistics: times, rays and stages, as `skywave render --stats` writes them.
-    notes: a line for each thing that was assumed, repaired or left out.
+    warnings: a line for each thing that is not rendered as the scene asks.
+    notes: a line for each thing that was assumed or repaired.
     """
 
     def __init__(self, renderer):
@@ -25,6 +26,7 @@ class Picture:
             layer = renderer.layer(name, len(channels))
             layer.flags.writeable = False
             self.layers[name] = layer
+        self.warnings = renderer.warnings()
         self.notes = renderer.notes()
 
     @property

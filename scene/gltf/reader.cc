@@ -345,7 +345,7 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
     AddNote(warnings, InputPosition::File(path),
             "is animated, and no frame is asked for: everything is left at rest");
   }
-  scene.warnings = WarningLines(warnings);
+  SetRemarks(warnings, scene);
   return scene;
 }
 

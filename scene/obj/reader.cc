@@ -122,7 +122,7 @@ Scene ParseObj(std::string text, const std::string& path, const ReadOptions& opt
     throw InputError(InputPosition::File(path), "tinyobjloader cannot read it: " + errors);
   }
   BuildObjMeshes(attributes, shapes, statements.has_smoothing, path, scene);
-  scene.warnings = WarningLines(warnings);
+  SetRemarks(warnings, scene);
   return scene;
 }
 

@@ -348,8 +348,7 @@ Material ThinDielectric(Context& context) {
   return material;
 }
 
-// Version 3 has three materials of a body, Kd, and a gloss, Ks, and a fourth one of both for either
-// side. The roughness of the gloss is one number.
+// Returns the width of the facets of a gloss (Ks), which is the same in all directions and places.
 float GlossWidth(Context& context) {
   if (RoughnessVaries(context, "")) {
     Warn(context, "a texture of the roughness is not supported here: rendered with 0.1");
@@ -357,6 +356,7 @@ float GlossWidth(Context& context) {
   return OneWidth(context, FindWidths(context, "", 0.1f, false));
 }
 
+// Version 3 has three materials of a body (Kd) and a gloss beside it.
 Material BodyAndGloss(Context& context, BsdfKind bsdf, float fallback) {
   Material material;
   material.bsdf = bsdf;
@@ -389,11 +389,8 @@ void SetOpacity(Context& context, Material& material) {
 }
 
 Material Uber(Context& context) {
-  const Material rough = [&] {
-    Material material = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
-    material.ior = DielectricIndex(context, {"eta", "index"});
-    return material;
-  }();
+  Material rough = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
+  rough.ior = DielectricIndex(context, {"eta", "index"});
   Material smooth;
   smooth.bsdf = BsdfKind::kDielectric;
   smooth.ior = rough.ior;
@@ -405,12 +402,17 @@ Material Uber(Context& context) {
   return material;
 }
 
+// Either side has a body, Kd, and a gloss, Ks, each times the share of light that goes there.
 Material Translucent(Context& context) {
   const glm::vec3 reflect = FractionOr(context, {"reflect"}, glm::vec3(0.5f));
   const glm::vec3 transmit = FractionOr(context, {"transmit"}, glm::vec3(0.5f));
   Material body;
   body.bsdf = BsdfKind::kDiffuseTransmission;
   SetDiffuse(context, 0.25f, body);
+  for (const PbrtSolidParameter& solid : context.reader.solids) {
+    if (solid.use != PbrtSolidUse::kReflectance) continue;
+    Warn(context, "\"Kd\" varies in space: it colours what is reflected alone");
+  }
   body.second_color = body.reflectance * transmit, body.reflectance *= reflect;
   body.second_color_texture = body.color_texture;
   const glm::vec3 gloss = FractionOr(context, {"Ks"}, glm::vec3(0.25f));

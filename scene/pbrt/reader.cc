@@ -194,7 +194,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
   const float gain = reader.film_gain * reader.exposure_time;
   if (gain != 1) ScaleLight(gain, reader.scene);
   ResolveInstances(options, path, reader.scene);
-  reader.scene.warnings = WarningLines(reader.warnings);
+  SetRemarks(reader.warnings, reader.scene);
   return std::move(reader.scene);
 }
 

@@ -383,6 +383,24 @@ TEST_F(Cli, InfiniteLightsAreSummed) {
   expect_sum(flat + coarse + turned, 1, 1, 1);
 }
 
+// What is not rendered as the file asks is a warning, and what was assumed is a note.
+TEST_F(Cli, WarningsAreApartFromNotes) {
+  const Result result =
+      Run("render library.obj --env map.exr --size 4x3 --spp 2 -o a.exr --stats s.json");
+  EXPECT_EQ(result.exit_code, 0);
+  const std::string missing = "library.obj:1: there is no file \"nosuch.mtl\"";
+  EXPECT_TRUE(Contains(result.err, "warning: " + missing)) << result.err;
+  EXPECT_TRUE(Contains(result.err, "note: library.obj: has no camera")) << result.err;
+  const auto json = nlohmann::json::parse(Bytes("s.json"));
+  ASSERT_EQ(json.at("warnings").size(), 1u);
+  EXPECT_TRUE(Contains(json.at("warnings").at(0).get<std::string>(), missing));
+  for (const auto& note : json.at("notes")) {
+    EXPECT_FALSE(Contains(note.get<std::string>(), missing)) << note;
+  }
+  const Result info = Run("info library.obj");
+  EXPECT_TRUE(Contains(info.out, "1 warnings\n  " + missing)) << info.out;
+}
+
 TEST_F(Cli, BadPixelsOfAMapAreReported) {
   const Result result = Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr");
   EXPECT_EQ(result.exit_code, 0);

@@ -50,8 +50,9 @@ TEST(GltfAnimation, LeavesNodesAtRestWithoutAFrame) {
   EXPECT_EQ(still.meshes[0].positions, moving.meshes[0].positions);
   EXPECT_EQ(still.camera->world_from_camera, moving.camera->world_from_camera);
   EXPECT_TRUE(still.warnings.empty());
-  ASSERT_EQ(moving.warnings.size(), 1u);
-  EXPECT_NE(moving.warnings[0].find("no frame"), std::string::npos) << moving.warnings[0];
+  EXPECT_TRUE(moving.warnings.empty());
+  ASSERT_EQ(moving.notes.size(), 1u);
+  EXPECT_NE(moving.notes[0].find("no frame"), std::string::npos) << moving.notes[0];
   ASSERT_EQ(moving.animations.size(), 2u);
   EXPECT_EQ(moving.animations[0].name, "slide");
   EXPECT_EQ(moving.animations[1].seconds, 2);
@@ -397,8 +398,8 @@ TEST(GltfCameras, HaveTheNamesOfTheirNodesAndNoNameTwice) {
   for (const NamedCamera& camera : scene.cameras) names.push_back(camera.name);
   EXPECT_EQ(names, (std::vector<std::string>{"front", "front#3", "lens", "#6"}));
   EXPECT_EQ(scene.camera->world_from_camera, scene.cameras[0].camera.world_from_camera);
-  ASSERT_EQ(scene.warnings.size(), 1u) << "one of no size is left out";
-  EXPECT_NE(scene.warnings[0].find("left out"), std::string::npos);
+  ASSERT_EQ(scene.notes.size(), 1u) << "one of no size is left out";
+  EXPECT_NE(scene.notes[0].find("left out"), std::string::npos);
 }
 
 }  // namespace

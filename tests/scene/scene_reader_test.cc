@@ -334,7 +334,6 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "WorldEnd\n"                                                  // 13
       "WorldBegin\n");                                              // 14
   const std::vector<std::string> expected = {
-      "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
       "t.pbrt:3: LightSource \"laser\" is not supported: left out",
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
       "t.pbrt:5: Shape \"cone\" is not supported: left out (2 times)",
@@ -345,6 +344,10 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "t.pbrt:14: everything after WorldEnd is ignored",
   };
   EXPECT_EQ(scene.warnings, expected);
+  // What makes no difference to the picture is apart.
+  EXPECT_EQ(scene.notes, std::vector<std::string>{
+                             "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is "
+                             "named on the command line"});
 }
 
 // A space lasts as its scope does. Reflectances are adapted to daylight, and lights are not.
@@ -405,9 +408,11 @@ TEST(Warnings, EverythingSkippedIsReported) {
                            "Material \"none\" Shape \"sphere\"",
                            "AreaLightSource \"goniometric\""}) {
     const Scene scene = Parse(std::string("\n") + text);
-    ASSERT_FALSE(scene.warnings.empty()) << text;
-    for (const std::string& warning : scene.warnings) {
-      EXPECT_TRUE(warning.starts_with("t.pbrt:2: ")) << text << " -> " << warning;
+    ASSERT_FALSE(scene.warnings.empty() && scene.notes.empty()) << text;
+    for (const auto* remarks : {&scene.warnings, &scene.notes}) {
+      for (const std::string& remark : *remarks) {
+        EXPECT_TRUE(remark.starts_with("t.pbrt:2: ")) << text << " -> " << remark;
+      }
     }
   }
 }
