@@ -3,7 +3,6 @@
 #include <ImfChromaticitiesAttribute.h>
 #include <ImfStandardAttributes.h>
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <algorithm>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "image/image.h"
 #include "image/jpeg.h"
+#include "tests/support/deep_png.h"
 #include "tests/support/image_test_files.h"
 
 namespace skywave {
@@ -185,34 +185,6 @@ TEST_F(ImageFiles, PfmMayHaveCommentsAndAScale) {
   std::string swapped = pixels;
   for (std::size_t i = 0; i < 24; i += 4) std::reverse(&swapped[i], &swapped[i] + 4);
   EXPECT_EQ(ReadImage(Put("b.pfm", "PF\n2 1\n+1.0\n" + swapped)).rgb, values);
-}
-
-// Writes rows of three channels of two bytes.
-std::string DeepPng(int width, int height, int interlace, const std::vector<std::uint16_t>& rgb) {
-  std::string png;
-  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(writer);
-  png_set_write_fn(
-      writer, &png,
-      [](png_structp to, png_bytep bytes, std::size_t size) {
-        static_cast<std::string*>(png_get_io_ptr(to))
-            ->append(reinterpret_cast<const char*>(bytes), size);
-      },
-      nullptr);
-  png_set_IHDR(writer, info, png_uint_32(width), png_uint_32(height), 16, PNG_COLOR_TYPE_RGB,
-               interlace, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(writer, info);
-  std::vector<png_byte> bytes;
-  for (const std::uint16_t value : rgb) {
-    bytes.push_back(png_byte(value >> 8)), bytes.push_back(png_byte(value & 255));
-  }
-  const int passes = png_set_interlace_handling(writer);
-  for (int pass = 0; pass < passes; ++pass) {
-    for (int y = 0; y < height; ++y) png_write_row(writer, &bytes[std::size_t(6 * width * y)]);
-  }
-  png_write_end(writer, info);
-  png_destroy_write_struct(&writer, &info);
-  return png;
 }
 
 TEST(TextureImages, PngOfSixteenBitsKeepsThemAllInterlacedOrNot) {

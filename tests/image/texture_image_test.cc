@@ -4,7 +4,6 @@
 #include <cstdio>
 // jpeglib.h needs FILE from this header.
 #include <jpeglib.h>
-#include <png.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 
 #include "base/error.h"
 #include "image/image.h"
+#include "tests/support/deep_png.h"
 
 namespace skywave {
 namespace {
@@ -56,34 +56,6 @@ std::string EncodeJpeg(int width, int height, const std::vector<std::uint8_t>& r
   return bytes;
 }
 
-// Writes rows of three channels, two bytes each, without a word about their encoding.
-std::string EncodePng16(int width, int height, const std::vector<std::uint16_t>& rgb) {
-  std::string png;
-  png_structp writer = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(writer);
-  png_set_write_fn(
-      writer, &png,
-      [](png_structp to, png_bytep bytes, std::size_t size) {
-        static_cast<std::string*>(png_get_io_ptr(to))
-            ->append(reinterpret_cast<const char*>(bytes), size);
-      },
-      nullptr);
-  png_set_IHDR(writer, info, png_uint_32(width), png_uint_32(height), 16, PNG_COLOR_TYPE_RGB,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(writer, info);
-  std::vector<png_byte> row(std::size_t(width) * 6);
-  for (int y = 0; y < height; ++y) {
-    for (std::size_t i = 0; i < row.size() / 2; ++i) {
-      const std::uint16_t value = rgb[std::size_t(y) * row.size() / 2 + i];
-      row[2 * i] = png_byte(value >> 8), row[2 * i + 1] = png_byte(value & 255);
-    }
-    png_write_row(writer, row.data());
-  }
-  png_write_end(writer, info);
-  png_destroy_write_struct(&writer, &info);
-  return png;
-}
-
 double Linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
@@ -108,7 +80,7 @@ TEST(TextureImages, PngOfSixteenBitsIsEncodedLikeThatOfEight) {
   const auto rgb = Pixels(width, height);
   std::vector<std::uint16_t> wide(rgb.size());
   for (std::size_t i = 0; i < rgb.size(); ++i) wide[i] = std::uint16_t(257 * rgb[i]);
-  const std::string png = EncodePng16(width, height, wide);
+  const std::string png = DeepPng(width, height, PNG_INTERLACE_NONE, wide);
   const Image color = DecodeTexture("a.png", png, Encoding::kSrgb);
   const Image number = DecodeTexture("a.png", png, Encoding::kLinear);
   ASSERT_EQ(color.rgb.size(), rgb.size());
