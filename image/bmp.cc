@@ -154,12 +154,15 @@ Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encodi
                 " is not supported");
   }
   const std::size_t row_bytes = (std::size_t(header.width) * std::size_t(bits) + 31) / 32 * 4;
-  // Memory follows the contents of the file, not the claims of its header; runs are checked by
-  // their longest jumps.
-  if (!runs && cursor.left() / row_bytes < std::size_t(header.height)) {
+  // Memory follows the contents of the file, not the claims of its header. Two bytes of run lengths
+  // hold up to 255 pixels, and jumps are rare.
+  constexpr std::size_t kPixelsPerByte = 512, kFewPixels = 1 << 22;
+  const std::size_t pixels = std::size_t(header.width) * std::size_t(header.height);
+  if (runs ? pixels > kFewPixels && pixels / kPixelsPerByte > cursor.left()
+           : cursor.left() / row_bytes < std::size_t(header.height)) {
     cursor.Fail("the file ends within the pixels of a BMP");
   }
-  std::vector<std::uint8_t> rgba(std::size_t(header.width) * std::size_t(header.height) * 4);
+  std::vector<std::uint8_t> rgba(4 * pixels);
   const auto pixel = [&](int x, int row) {
     const int y = header.from_top ? row : header.height - 1 - row;
     return &rgba[4 * (std::size_t(y) * std::size_t(header.width) + std::size_t(x))];

@@ -141,9 +141,9 @@ PictureChannels ChooseChannels(const std::string& path, const std::vector<ExrCha
                        names);
 }
 
-// Turns luminance and chroma, of the primaries of the file, into colours.
-void ColorsOfLuminance(Image& image) {
-  const glm::dmat3 xyz = XyzFromRgb(kRec709);
+// Turns luminance and chroma into colours of these primaries.
+void ColorsOfLuminance(const RgbPrimaries& primaries, Image& image) {
+  const glm::dmat3 xyz = XyzFromRgb(primaries);
   const double red = xyz[0].y, green = xyz[1].y, blue = xyz[2].y;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     float* const pixel = &image.rgb[i];
@@ -450,7 +450,7 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
     if (!library) library.emplace(path, bytes, limits, header);
     picture = library->Decode(header.data_window, names, layers);
   }
-  if (chosen.by_luminance) ColorsOfLuminance(picture.image);
+  if (chosen.by_luminance) ColorsOfLuminance(header.primaries.value_or(kRec709), picture.image);
   if (header.primaries) ConvertToRec709(*header.primaries, picture.image);
   PlaceInWindow(path, header, limits, picture);
   return picture;

@@ -13,10 +13,15 @@ namespace {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t'; }
 
-// Returns whether the statement that the words begin has a name.
+// Returns whether the statement that the words begin has a name, which may hold the sign of a
+// comment ("Material #25").
 bool HasName(const std::vector<std::string_view>& words) {
-  return !words.empty() && (words[0] == "usemtl" || words[0] == "newmtl" || words[0] == "o" ||
-                            words[0] == "g" || words[0] == "mtllib");
+  if (words.empty()) return false;
+  for (const std::string_view word :
+       {"usemtl", "newmtl", "mtllib", "o", "g", "bump", "disp", "decal", "refl", "norm"}) {
+    if (words[0] == word) return true;
+  }
+  return words[0].starts_with("map_");
 }
 
 void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& words,
@@ -62,8 +67,7 @@ bool NextStatement(ObjLines& lines, std::vector<std::string_view>& words) {
       while (i < end && IsSpace(text[i])) ++i;
       const std::size_t begin = i;
       while (i < end && !IsSpace(text[i])) ++i;
-      // A comment may follow; a name may begin with its sign.
-      if (i > begin && text[begin] == '#' && (words.size() > 1 || !HasName(words))) {
+      if (i > begin && text[begin] == '#' && !HasName(words)) {
         std::fill(&lines.text[begin], &lines.text[end], ' ');
         break;
       }

@@ -394,6 +394,11 @@ std::string Refusal(const std::string& bytes, const ReadLimits& limits = {}) {
   return "";
 }
 
+TEST(Bmp, RunLengthsOfFewBytesAreNoLargePicture) {
+  const std::string bmp = BmpWith(40, 16384, 16384, 8, 1, 2, RedPalette(2), std::string("\0\1", 2));
+  EXPECT_NE(Refusal(bmp).find("ends within the pixels"), std::string::npos) << Refusal(bmp);
+}
+
 TEST(TgaBmpGif, LimitsHoldBeforeAnythingIsDecoded) {
   ReadLimits narrow;
   narrow.max_width = 36;

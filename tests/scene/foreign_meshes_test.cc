@@ -66,6 +66,19 @@ TEST(ForeignObj, CommentsSlashesAndByteOrderMarksDoNoHarm) {
   ExpectNear(scene.materials.at(scene.meshes.at(0).material).reflectance, {0.2f, 0.4f, 0.6f});
 }
 
+// Names of materials hold the sign of comments.
+TEST(ForeignObj, NamesMayHoldTheSignOfComments) {
+  const TemporaryFolder folder;
+  folder.Write("a.mtl", "newmtl Material #25\nKd 1 0 0\nnewmtl Paint\nKd 0 0 1\n");
+  const Scene scene =
+      ReadScene(folder.Write("a.obj", "mtllib a.mtl\n" + kTriangle +
+                                          "usemtl Material #25\nf 1 2 3\nusemtl Paint\nf 3 2 1\n"));
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.materials.at(scene.meshes[0].material).name, "Material #25");
+  EXPECT_EQ(scene.materials.at(scene.meshes[1].material).reflectance, glm::vec3(0, 0, 1));
+}
+
 // sRGB of 0.5 is 0.21404 in linear light. Without a material the colours are the reflectance.
 TEST(ForeignObj, ColoursOfVerticesAreRead) {
   const Scene scene = Parse("v -1 0 0 1 0 0\nv 1 0 0 0 1 .5\nv 0 1 0 0 0 1\nf 1 2 3\n");
