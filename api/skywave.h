@@ -206,8 +206,8 @@ class SKYWAVE_API Scene {
 
   // Sets the illumination map, as the option "env" does by the name of a file; if that is given
   // too, the file is taken. The options "env-rotate", "env-intensity", "env-up" and
-  // "env-projection" apply to both. NaN, infinite and negative values become 0, and
-  // Renderer::notes says so.
+  // "env-projection" apply to both. NaN and negative values become 0, infinite ones the largest
+  // finite value, and Renderer::notes says so.
   void SetEnvironment(const ImageArray& map);
 
   // Sets a camera that looks from `eye` to `target`; `fov_degrees` is the field of view along the

@@ -28,8 +28,8 @@ Flip LdrFlip(const Image& image, const Image& reference,
              double pixels_per_degree = kFlipPixelsPerDegree);
 
 // Returns HDR-FLIP: each pixel's largest FLIP over a range of exposures that comes from the median
-// and the greatest luminance of the reference, with the tone curve of Narkowicz. NaN, infinite and
-// negative values count as 0.
+// and the greatest luminance of the reference, with the tone curve of Narkowicz. Values that
+// are no radiance count as RepairRadiance has them.
 Flip HdrFlip(const Image& image, const Image& reference,
              double pixels_per_degree = kFlipPixelsPerDegree);
 

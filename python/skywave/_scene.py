@@ -135,7 +135,8 @@ class Scene:
     def set_environment(self, map):
         """Sets the illumination map: an array (height, width, 3), a Picture or a file.
 
-        NaN, infinite and negative values become 0, and the notes of a picture say so.
+        NaN and negative values become 0, infinite ones the largest, and the notes of a picture
+        say so.
         """
         self._core.set_environment(_convert.image(map, "map"))
         return self

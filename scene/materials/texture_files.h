@@ -21,7 +21,7 @@ struct TextureFiles {
 };
 
 // Returns the index in Scene::images of the image of a file. Colours must be finite and not
-// negative: others become 0. Throws InputError as ReadTexture does.
+// negative, and RepairRadiance makes them so. Throws InputError as ReadTexture does.
 std::uint32_t AddTextureImage(TextureFiles& files, const std::string& path, Encoding encoding);
 
 // Returns whether every channel of the image is 1.

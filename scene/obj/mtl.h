@@ -1,6 +1,6 @@
 // Converts material libraries of OBJ files to Skywave's materials.
 //
-//   d < 1/2, illum 6 or 7, or 4 or 9 with d < 1 or Tf
+//   illum 6 or 7, or 4 or 9 with d < 1 or Tf
 //                                  smooth dielectric of index Ni (1.5 if <= 1)
 //   Pm >= 1/2 (metalness)          conductor: F0 = Kd, alpha = Pr^2
 //   Kd = 0, Ks > 0, illum 3 or 5   mirror of reflectance Ks
@@ -9,16 +9,18 @@
 //                                  alpha as above; the value of Ks is ignored
 //   everything else                Lambert of reflectance Kd
 //
-// d (1 - Tr) is the fraction of rays that a surface other than glass stops, and map_d multiplies
-// it: the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump hold
-// normals if they are coloured; grey ones (except norm) hold heights. MTL does not define the
-// height of white: here it is bm hundredths of the width of the image.
+// d (1 - Tr) is the fraction of rays that a surface other than glass stops (but Tr 1 without d
+// is opaque, as MeshLab means it), and map_d multiplies it: the alpha channel of its file, or
+// else its grey. norm, bump, map_bump and map_Bump hold normals if they are coloured; grey ones
+// (except norm) hold heights. MTL does not define the height of white: here it is bm hundredths
+// of the width of the image.
 //
 // Ke is radiance, emitted on both sides (the format does not define the side, and windings of OBJ
 // files are not reliable). map_Ke multiplies it, or stands alone if there is no Ke.
 //
 // map_Kd multiplies Kd (or 1 if Kd is missing or 0) in the last two rows, with v upwards; its
-// options -s, -o and -clamp are honoured. A map whose file is missing is left out, with a warning.
+// options -s, -o and -clamp are honoured. A map whose file is missing or cannot be read is left
+// out, with a warning.
 //
 // The width of a lobe with exponent Ns follows Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", Section 5.2.

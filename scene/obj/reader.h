@@ -16,8 +16,9 @@
 
 namespace skywave {
 
-// Throws InputError with file and line for the errors described in check.h and mtl.h, and for a
-// missing library (kExitIo).
+// Throws InputError with file and line for the errors described in check.h and mtl.h. A library
+// that is missing is a warning, and its materials are grey Lambert. If all vertices have colours,
+// which are sRGB, they are factors of the reflectance, and are it without a material.
 Scene ReadObj(const std::string& path, const ReadOptions& options = {});
 
 // Parses the same from memory; libraries are looked up relative to `path`.
