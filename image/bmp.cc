@@ -79,6 +79,8 @@ BmpHeader ReadHeader(const std::string& path, std::string_view bytes, const Read
     if (!inside) end = masks.offset();
   } else if (header.bits == 16) {
     header.masks = {0x7C00, 0x03E0, 0x001F, 0};
+  } else if (header.bits == 24) {
+    header.masks = {0xFF0000, 0xFF00, 0xFF, 0};
   } else if (header.bits == 32) {
     header.masks = {0xFF0000, 0xFF00, 0xFF, 0xFF000000};
     header.opaque_if_all_zero = true;
@@ -137,6 +139,17 @@ void DecodeRuns(ByteCursor& cursor, const BmpHeader& header, const Set& set) {
   }
 }
 
+// Writes the pixels of a row that has no palette: red, green, blue and alpha.
+void DecodeColors(const std::uint8_t* line, const BmpHeader& header, std::uint8_t* rgba) {
+  const int bytes = header.bits / 8;
+  for (int x = 0; x < header.width; ++x, line += bytes, rgba += 4) {
+    std::uint32_t word = 0;
+    for (int byte = bytes; byte-- > 0;) word = word << 8 | line[byte];
+    for (std::size_t c = 0; c < 4; ++c) rgba[c] = Masked(word, header.masks[c]);
+    if (header.masks[3] == 0) rgba[3] = 255;
+  }
+}
+
 }  // namespace
 
 Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
@@ -169,8 +182,9 @@ Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encodi
   };
   const auto set_index = [&](int x, int row, int index) {
     // A colour that the palette does not have is black.
-    const auto known_index = std::size_t(index) < header.palette.size();
-    if (known_index) std::copy_n(header.palette[std::size_t(index)].data(), 3, pixel(x, row));
+    if (std::size_t(index) < header.palette.size()) {
+      std::copy_n(header.palette[std::size_t(index)].data(), 3, pixel(x, row));
+    }
     pixel(x, row)[3] = 255;
   };
   if (runs) {
@@ -182,23 +196,11 @@ Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encodi
   for (int row = 0; !runs && row < header.height; ++row) {
     const auto* const line =
         reinterpret_cast<const std::uint8_t*>(cursor.Take(row_bytes, "the pixels").data());
-    for (int x = 0; x < header.width; ++x) {
-      if (bits <= 8) {
-        const std::size_t bit = std::size_t(x) * std::size_t(bits);
-        const int shift = 8 - bits - int(bit % 8);
-        set_index(x, row, line[bit / 8] >> shift & ((1 << bits) - 1));
-        continue;
-      }
-      const std::uint8_t* const from = line + std::size_t(x) * std::size_t(bits / 8);
-      std::uint8_t* const to = pixel(x, row);
-      if (bits == 24) {
-        to[0] = from[2], to[1] = from[1], to[2] = from[0], to[3] = 255;
-        continue;
-      }
-      std::uint32_t word = 0;
-      for (int byte = bits / 8; byte-- > 0;) word = word << 8 | from[byte];
-      for (std::size_t c = 0; c < 3; ++c) to[c] = Masked(word, header.masks[c]);
-      to[3] = header.masks[3] == 0 ? 255 : Masked(word, header.masks[3]);
+    if (bits > 8) DecodeColors(line, header, pixel(0, row));
+    for (int x = 0; bits <= 8 && x < header.width; ++x) {
+      const std::size_t bit = std::size_t(x) * std::size_t(bits);
+      const int shift = 8 - bits - int(bit % 8);
+      set_index(x, row, line[bit / 8] >> shift & ((1 << bits) - 1));
     }
   }
   bool any_alpha = !header.opaque_if_all_zero;

@@ -17,6 +17,10 @@
 
 namespace skywave {
 
+// Files ask for no threads. OpenEXR's global number of them is zero by default and is left alone,
+// because it belongs to the program that uses the library.
+inline constexpr int kNoExrThreads = 0;
+
 struct ExrChannel {
   std::string name;
   int bytes = 0;  // per pixel: 2 (half) or 4 (float, unsigned)

@@ -62,9 +62,9 @@ std::string WhatItIsInstead(std::string_view bytes) {
   }
   if (StartsWith(bytes, "DDS ")) return but("DDS", "cannot be read; convert it to PNG or OpenEXR");
   if (StartsWith(bytes, "\xabKTX")) return but("KTX", "cannot be read; convert it to PNG");
-  if (StartsWith(bytes, "8BPS")) return but("Photoshop's", convert);
+  if (StartsWith(bytes, "8BPS")) return but("a file of Photoshop", convert);
   if (FindDecoder8Bit("", bytes) != nullptr) {
-    return but("of 8 or 16 bits", "has no radiance to light with or to compare");
+    return but("a picture for screens (PNG, JPEG and the like)", "has no radiance");
   }
   return what;
 }

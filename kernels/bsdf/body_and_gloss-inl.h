@@ -16,9 +16,10 @@ namespace HWY_NAMESPACE {
 struct BodyAndGloss {
   HWY_INLINE BodyAndGloss(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                           std::uint32_t n)
-      : ggx(Field(m, MaterialFields(s, i, n), kAlpha)),
+      : fields(MaterialFields(s, i, n)),
+        ggx(Field(m, fields, kAlpha)),
         body(ColorOf(s, i)),
-        gloss(Field3(m, MaterialFields(s, i, n), kGloss)) {
+        gloss(Field3(m, fields, kGloss)) {
     if (m.varied) gloss = gloss * VariedColor(s, i);
   }
 
@@ -31,6 +32,7 @@ struct BodyAndGloss {
     return IfThen(glossy, ggx.Reflect(wo, u, v), CosineHemisphere(u, v));
   }
 
+  VU fields;
   Ggx ggx;
   V3 body, gloss;
 };

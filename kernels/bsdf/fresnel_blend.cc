@@ -41,6 +41,9 @@ struct FresnelBlend : BodyAndGloss {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return Evaluate(wo, wi, GlossShare(wo));
+  }
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi, VF share) const {
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     const VF toward = Clamp(Dot(wo, h), 1e-6f, 1.0f);
@@ -49,11 +52,12 @@ struct FresnelBlend : BodyAndGloss {
     const VF cosine = wi.z * kInvPi;
     const VF visible = 0.25f * d / (hn::Max(wo.z, Set(1e-6f)) * (1.0f + ggx.Lambda(wo)));
     return {Diffuse(wo) * (28.0f / 23 * wi.z * Entering(wi.z)) + Fresnel(toward) * facets,
-            cosine + GlossShare(wo) * (visible - cosine)};
+            cosine + share * (visible - cosine)};
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
-    const V3 wi = Direction(wo, u, v, hn::Lt(lobe, GlossShare(wo)));
-    return SampleOf(wi, Evaluate(wo, wi));
+    const VF share = GlossShare(wo);
+    const V3 wi = Direction(wo, u, v, hn::Lt(lobe, share));
+    return SampleOf(wi, Evaluate(wo, wi, share));
   }
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const VF c = Clamp(Dot(wo, Ggx::HalfVector(wo, wi)), 0.0f, 1.0f);
@@ -77,7 +81,6 @@ inline constexpr BsdfTraits FresnelBlendTraits = {
     .name = "fresnel-blend",
     .lobed = true,
     .varying = Varying::kSecondColor,
-    .tables = {.ggx = true},
     .parameters = {{"alpha"}, {"second_color", "gloss"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackBodyAndGloss(m, r); }};
 SKYWAVE_BSDF_TABLE(FresnelBlend)

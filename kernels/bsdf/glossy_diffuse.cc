@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 struct GlossyDiffuse : BodyAndGloss {
   HWY_INLINE GlossyDiffuse(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                            std::uint32_t n)
-      : BodyAndGloss(s, m, i, n), ratio(IndexRatio(s, m, MaterialFields(s, i, n), i)) {}
+      : BodyAndGloss(s, m, i, n), ratio(IndexRatio(s, m, fields, i)) {}
 
   HWY_INLINE VF Fresnel(VF cosine) const { return FresnelDielectric(cosine, ratio).reflectance; }
   // Facets that lean away by their width may reflect far more than a flat surface.
@@ -34,6 +34,9 @@ struct GlossyDiffuse : BodyAndGloss {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return Evaluate(wo, wi, GlossShare(wo));
+  }
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi, VF share) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
@@ -42,11 +45,12 @@ struct GlossyDiffuse : BodyAndGloss {
     const VF lobe = over_4_cos / (one + lambda_o + lambda_i);
     const VF fresnel = Fresnel(Clamp(Dot(wo, h), 0.0f, 1.0f));
     const VF cosine = wi.z * kInvPi, visible = over_4_cos / (one + lambda_o);
-    return {body * cosine + gloss * (fresnel * lobe), cosine + GlossShare(wo) * (visible - cosine)};
+    return {body * cosine + gloss * (fresnel * lobe), cosine + share * (visible - cosine)};
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
-    const V3 wi = Direction(wo, u, v, hn::Lt(lobe, GlossShare(wo)));
-    return SampleOf(wi, Evaluate(wo, wi));
+    const VF share = GlossShare(wo);
+    const V3 wi = Direction(wo, u, v, hn::Lt(lobe, share));
+    return SampleOf(wi, Evaluate(wo, wi, share));
   }
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const VF c = Clamp(Dot(wo, Ggx::HalfVector(wo, wi)), 0.0f, 1.0f);
@@ -71,7 +75,6 @@ inline constexpr BsdfTraits GlossyDiffuseTraits = {
     .name = "glossy-diffuse",
     .lobed = true,
     .varying = Varying::kSecondColor,
-    .tables = {.ggx = true},
     .parameters = {{"alpha"}, {"second_color", "gloss"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackBodyAndGloss(m, r);

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+
+#include "scene/materials/spectrum.h"
 
 namespace skywave {
 namespace {
@@ -24,6 +27,22 @@ bool Varies(PbrtMaterialContext& context, const std::string& name) {
   return FindImageTexture(context.parameters, name, textures) ||
          FindSolidTexture(context.parameters, name, textures);
 }
+
+struct NamedGlass {
+  std::string_view name;
+  float ior;  // at kIndexWavelength
+};
+// Indices are those of the yellow line of helium (n_d) [nm].
+constexpr double kIndexWavelength = 587.6;
+// These are indices from Schott's catalogue under pbrt-v4's names and its own. pbrt's F5, F10 and
+// F11 hold the data of SF5, SF10 and SF11.
+constexpr std::array kGlasses = {
+    NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
+    NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},
+    NamedGlass{"glass-F5", 1.6727f},    NamedGlass{"glass-SF5", 1.6727f},
+    NamedGlass{"glass-F10", 1.7283f},   NamedGlass{"glass-SF10", 1.7283f},
+    NamedGlass{"glass-F11", 1.7847f},   NamedGlass{"glass-SF11", 1.7847f},
+};
 
 }  // namespace
 
@@ -182,6 +201,34 @@ void SetVariedWidths(PbrtMaterialContext& context, const Widths& widths, bool ro
   material.alpha = material.coat_alpha = widths.along;
   material.roughness_texture = widths.texture;
   if (widths.solid) context.reader.solids.push_back(*widths.solid);
+}
+
+float DielectricIndex(PbrtMaterialContext& context, std::initializer_list<std::string_view> names) {
+  PbrtParameters& parameters = context.parameters;
+  float ior = 1.5f;
+  for (const std::string_view name : names) {
+    const PbrtParameter* named = Find(parameters, {"spectrum"}, name);
+    const auto* glass = named && named->strings.size() == 1
+                            ? std::find_if(kGlasses.begin(), kGlasses.end(),
+                                           [&](auto& g) { return g.name == named->strings[0]; })
+                            : kGlasses.end();
+    if (glass != kGlasses.end()) {
+      ior = glass->ior;
+    } else if (named && named->strings.empty()) {
+      ior = float(SpectrumValueAt(PairsOf(*named), kIndexWavelength));
+    } else {
+      ior = FindScalar(context, name).value_or(ior);
+    }
+  }
+  if (!(ior > 0)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: the index of refraction is {}", parameters.directive, ior));
+  }
+  return ior;
+}
+
+void SetDiffuse(PbrtMaterialContext& context, float fallback, Material& material, float scale) {
+  SetReflectance(context, {"reflectance", "Kd"}, fallback, material, scale);
 }
 
 }  // namespace skywave

@@ -1,7 +1,8 @@
 // What several of pbrt's materials read in the same way: colours with their images, and roughness.
 #pragma once
 
-#include <functional>
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -34,9 +35,15 @@ std::optional<float> FindScalar(PbrtMaterialContext& context, std::string_view n
 // image if it has one, or to what varies in space.
 void SetReflectance(PbrtMaterialContext& context, std::initializer_list<std::string_view> names,
                     float fallback, Material& material, float scale = 1);
+// The same for the parameter of diffuse bodies.
+void SetDiffuse(PbrtMaterialContext& context, float fallback, Material& material, float scale = 1);
 // Sets the second colour to the parameter `name` times `scale`, with its image if it has one.
 void SetSecondColor(PbrtMaterialContext& context, std::string_view name, float fallback,
                     Material& material, float scale = 1);
+
+// Returns the index of refraction of a dielectric, a number or a glass by name; throws InputError
+// unless it is positive.
+float DielectricIndex(PbrtMaterialContext& context, std::initializer_list<std::string_view> names);
 
 // pbrt uses the same threshold between rough and specular, and the same least width of a rough
 // surface, which may be smooth in one direction.

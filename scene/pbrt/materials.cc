@@ -13,18 +13,14 @@
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
 #include "scene/materials/spectrum.h"
+#include "scene/pbrt/glossy_materials.h"
 #include "scene/pbrt/material_parameters.h"
 #include "scene/pbrt/state.h"
-#include "scene/pbrt/surface_maps.h"
 
 namespace skywave {
 namespace {
 
 using Context = PbrtMaterialContext;
-
-void SetDiffuse(Context& context, float fallback, Material& material, float scale = 1) {
-  SetReflectance(context, {"reflectance", "Kd"}, fallback, material, scale);
-}
 
 Material Lambert(Context& context) {
   Material material;
@@ -53,26 +49,6 @@ Material Matte(Context& context) {
     material.alpha = OrenNayarRoughness(sigma);
   }
   return material;
-}
-
-// Returns a material whose BSDF is the sum of those of two others: a hit has either of them, of
-// which each has twice its colours.
-Material Sum(Context& context, const Material& first, const Material& second) {
-  std::vector<Material>& materials = context.reader.scene.materials;
-  for (Material part : {first, second}) {
-    part.name = fmt::format("{}, part", context.parameters.directive);
-    part.reflectance *= 2, part.second_color *= 2;
-    if (part.reflection) *part.reflection *= 2;
-    materials.push_back(part);
-  }
-  const auto end = std::uint32_t(materials.size());
-  // What varies in space is read for the first part.
-  if (auto& solids = context.reader.solids; !solids.empty()) {
-    context.reader.solid_materials.emplace(end - 2, std::exchange(solids, {}));
-  }
-  Material sum;
-  sum.mixture = {end - 2, end - 1, 0.5f};
-  return sum;
 }
 
 // Returns the largest value of each channel of a texture, or 1 without one.
@@ -200,9 +176,6 @@ Material Conductor(Context& context, bool v4) {
   return material;
 }
 
-// Returns the index of a dielectric, checked.
-float DielectricIndex(Context& context, std::initializer_list<std::string_view> names);
-
 // Reads the medium between the interfaces of a coat. Its thickness is an optical one, as pbrt has
 // it. pbrt's default is 0.01 without scattering, which absorbs 2 to 6 % of the light of a coat
 // although no file asked for that; here a medium counts only if the file gives one.
@@ -264,46 +237,6 @@ Material CoatedDiffuse(Context& context) {
   return material;
 }
 
-struct NamedGlass {
-  std::string_view name;
-  float ior;  // at kIndexWavelength
-};
-// Indices are those of the yellow line of helium (n_d) [nm].
-constexpr double kIndexWavelength = 587.6;
-// These are indices from Schott's catalogue under pbrt-v4's names and its own. pbrt's F5, F10 and
-// F11 hold the data of SF5, SF10 and SF11.
-constexpr std::array kGlasses = {
-    NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
-    NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},
-    NamedGlass{"glass-F5", 1.6727f},    NamedGlass{"glass-SF5", 1.6727f},
-    NamedGlass{"glass-F10", 1.7283f},   NamedGlass{"glass-SF10", 1.7283f},
-    NamedGlass{"glass-F11", 1.7847f},   NamedGlass{"glass-SF11", 1.7847f},
-};
-
-float DielectricIndex(Context& context, std::initializer_list<std::string_view> names) {
-  PbrtParameters& parameters = context.parameters;
-  float ior = 1.5f;
-  for (const std::string_view name : names) {
-    const PbrtParameter* named = Find(parameters, {"spectrum"}, name);
-    const auto* glass = named && named->strings.size() == 1
-                            ? std::find_if(kGlasses.begin(), kGlasses.end(),
-                                           [&](auto& g) { return g.name == named->strings[0]; })
-                            : kGlasses.end();
-    if (glass != kGlasses.end()) {
-      ior = glass->ior;
-    } else if (named && named->strings.empty()) {
-      ior = float(SpectrumValueAt(PairsOf(*named), kIndexWavelength));
-    } else {
-      ior = FindScalar(context, name).value_or(ior);
-    }
-  }
-  if (!(ior > 0)) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: the index of refraction is {}", parameters.directive, ior));
-  }
-  return ior;
-}
-
 Material Dielectric(Context& context, bool v4) {
   Material material;
   material.bsdf = BsdfKind::kDielectric;
@@ -346,82 +279,6 @@ Material ThinDielectric(Context& context) {
   material.reflectance = glm::vec3(1);
   material.ior = DielectricIndex(context, {"eta"});
   return material;
-}
-
-// Returns the width of the facets of a gloss (Ks), which is the same in all directions and places.
-float GlossWidth(Context& context) {
-  if (RoughnessVaries(context, "")) {
-    Warn(context, "a texture of the roughness is not supported here: rendered with 0.1");
-  }
-  return OneWidth(context, FindWidths(context, "", 0.1f, false));
-}
-
-// Version 3 has three materials of a body (Kd) and a gloss beside it.
-Material BodyAndGloss(Context& context, BsdfKind bsdf, float fallback) {
-  Material material;
-  material.bsdf = bsdf;
-  SetDiffuse(context, fallback, material);
-  SetSecondColor(context, "Ks", fallback, material);
-  material.alpha = GlossWidth(context);
-  return material;
-}
-
-// The facets of version 3's plastic have its index on the side of the light, and reflect all light
-// at grazing angles.
-Material Plastic(Context& context) {
-  Material material = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
-  material.ior = 1 / 1.5f;
-  return material;
-}
-
-// Sets the share of the surface that exists.
-void SetOpacity(Context& context, Material& material) {
-  const auto image = FindImageTexture(context.parameters, "opacity", context.reader.color_textures);
-  const glm::vec3 opacity = image ? glm::clamp(image->value.value_or(glm::vec3(1)), 0.0f, 1.0f)
-                                  : FractionOr(context, {"opacity"}, glm::vec3(1));
-  if (opacity.x != opacity.y || opacity.y != opacity.z) {
-    Warn(context, "\"opacity\" is a colour: its mean is used");
-  }
-  material.opacity = (opacity.x + opacity.y + opacity.z) / 3;
-  if (image) {
-    material.opacity_texture = CopyPbrtTexture(context.reader, *image->image, TextureUse::kOpacity);
-  }
-}
-
-Material Uber(Context& context) {
-  Material rough = BodyAndGloss(context, BsdfKind::kGlossyDiffuse, 0.25f);
-  rough.ior = DielectricIndex(context, {"eta", "index"});
-  Material smooth;
-  smooth.bsdf = BsdfKind::kDielectric;
-  smooth.ior = rough.ior;
-  smooth.reflection = FractionOr(context, {"Kr"}, glm::vec3(0));
-  smooth.reflectance = FractionOr(context, {"Kt"}, glm::vec3(0));
-  const bool both = *smooth.reflection != glm::vec3(0) || smooth.reflectance != glm::vec3(0);
-  Material material = both ? Sum(context, rough, smooth) : rough;
-  SetOpacity(context, material);
-  return material;
-}
-
-// Either side has a body, Kd, and a gloss, Ks, each times the share of light that goes there.
-Material Translucent(Context& context) {
-  const glm::vec3 reflect = FractionOr(context, {"reflect"}, glm::vec3(0.5f));
-  const glm::vec3 transmit = FractionOr(context, {"transmit"}, glm::vec3(0.5f));
-  Material body;
-  body.bsdf = BsdfKind::kDiffuseTransmission;
-  SetDiffuse(context, 0.25f, body);
-  for (const PbrtSolidParameter& solid : context.reader.solids) {
-    if (solid.use != PbrtSolidUse::kReflectance) continue;
-    Warn(context, "\"Kd\" varies in space: it colours what is reflected alone");
-  }
-  body.second_color = body.reflectance * transmit, body.reflectance *= reflect;
-  body.second_color_texture = body.color_texture;
-  const glm::vec3 gloss = FractionOr(context, {"Ks"}, glm::vec3(0.25f));
-  Material facets;
-  facets.bsdf = BsdfKind::kRoughDielectric;
-  facets.reflectance = gloss * transmit, facets.reflection = gloss * reflect;
-  facets.alpha = GlossWidth(context);
-  facets.energy_compensation = false;
-  return gloss == glm::vec3(0) ? body : Sum(context, body, facets);
 }
 
 // Reads a BRDF in the MERL format, as pbrt did up to version 2.
@@ -513,11 +370,11 @@ Material ByType(const std::string& type, Context& context) {
   if (type == "dielectric") return Dielectric(context, true);
   if (type == "thindielectric") return ThinDielectric(context);
   if (type == "diffusetransmission") return DiffuseTransmission(context);
-  if (type == "translucent") return Translucent(context);
+  if (type == "translucent") return PbrtTranslucent(context);
   if (type == "coateddiffuse") return CoatedDiffuse(context);
-  if (type == "plastic") return Plastic(context);
-  if (type == "uber") return Uber(context);
-  if (type == "substrate") return BodyAndGloss(context, BsdfKind::kFresnelBlend, 0.5f);
+  if (type == "plastic") return PbrtPlastic(context);
+  if (type == "uber") return PbrtUber(context);
+  if (type == "substrate") return PbrtSubstrate(context);
   if (type == "measured") return Measured(context);
   if (type == "mix") return Mix(context);
   for (const char* other : {"shinymetal", "disney"}) {
