@@ -30,6 +30,22 @@ int Wrap(int i, int size, TextureWrap wrap) {
 
 }  // namespace
 
+std::optional<Image> UnfilteredImage(const Image& image, std::size_t& budget) {
+  const int longest = std::max(image.width, image.height);
+  if (longest > kMaxUnfilteredSide) return std::nullopt;
+  const int by = std::min(kMaxBakedSide / longest, kCheckTexels);
+  Image squares(image.width * by, image.height * by);
+  const std::size_t count = squares.rgb.size() / 3;
+  if (count > budget) return std::nullopt;
+  budget -= count;
+  for (int y = 0; y < squares.height; ++y) {
+    for (int x = 0; x < squares.width; ++x) {
+      std::copy_n(image.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
+    }
+  }
+  return squares;
+}
+
 glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at) {
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const double fx = x - std::floor(x), fy = y - std::floor(y);

@@ -26,6 +26,12 @@ inline constexpr int kCheckTexels = 64;
 // t go from 0 to 2, t upwards.
 Image CheckerSelector();
 
+// Returns the image of the nearest texel of another one: each texel becomes a square of them, of
+// which only the rim is interpolated. Images of more than kMaxUnfilteredSide texels, and those for
+// which less than `budget` is left, give nothing; `budget` loses the texels of what is returned.
+inline constexpr int kMaxUnfilteredSide = 512;  // [texels]
+std::optional<Image> UnfilteredImage(const Image& image, std::size_t& budget);
+
 // Interpolates bilinearly between texel centres; `at` is in units of the image, wrapped as the
 // texture has it.
 glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at);

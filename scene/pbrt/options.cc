@@ -272,7 +272,7 @@ void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
       {"path", "path"},       {"volpath", "path"},
       {"direct", "direct"},   {"directlighting", "direct"},
       {"lightpath", "light"}, {"bdpt", "bdpt"},
-      {"sppm", "photon"}};
+      {"sppm", "photon"},     {"whitted", "direct"}};
   const auto known = kNames.find(type);
   settings.integrator = known != kNames.end() ? known->second : "path";
   if (known == kNames.end()) Warn(reader, parameters, "is not supported: rendered with path");

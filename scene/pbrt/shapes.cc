@@ -8,10 +8,10 @@
 #include <span>
 
 #include "base/error.h"
+#include "scene/pbrt/round_shapes.h"
 #include "scene/shapes/curves.h"
 #include "scene/shapes/patches.h"
 #include "scene/shapes/ply.h"
-#include "scene/shapes/shapes.h"
 
 namespace skywave {
 namespace {
@@ -159,60 +159,38 @@ Mesh LoopSubdivisionSurface(PbrtParameters& parameters, std::size_t limit, Warni
   return LoopSubdivide(positions, triangles, levels);
 }
 
-// Returns a number that must be above zero.
-float FindPositive(PbrtParameters& parameters, std::string_view name, float otherwise) {
-  const float value = FindFloat(parameters, name).value_or(otherwise);
-  if (!(value > 0)) {
+// pbrt-v3's heights over the unit square, row by row along x.
+Mesh Heightfield(PbrtParameters& parameters, std::size_t limit) {
+  const int columns = FindInt(parameters, "nu").value_or(-1),
+            rows = FindInt(parameters, "nv").value_or(-1);
+  const PbrtParameter* const found = Find(parameters, {"float"}, "Pz");
+  const std::size_t given = found != nullptr ? found->floats.size() : 0;
+  if (columns < 2 || rows < 2 || given != std::size_t(columns) * std::size_t(rows)) {
     throw InputError(parameters.position,
-                     fmt::format("{}: the {} is {}", parameters.directive, name, value));
+                     fmt::format("{}: {} heights \"Pz\" for \"nu\" {} times \"nv\" {}",
+                                 parameters.directive, given, columns, rows));
   }
-  return value;
-}
-
-float FindPhi(PbrtParameters& parameters) {
-  return std::min(FindPositive(parameters, "phimax", 360), 360.0f);
-}
-
-// Holds "zmin" and "zmax" in order. Reading them throws InputError if they are equal.
-struct Range {
-  float low, high;
-};
-Range FindRange(PbrtParameters& parameters, float low, float high) {
-  const float z0 = FindFloat(parameters, "zmin").value_or(low),
-              z1 = FindFloat(parameters, "zmax").value_or(high);
-  if (z0 == z1) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: zmin and zmax are both {}", parameters.directive, z0));
+  if (2 * given > limit) {
+    throw InputError(parameters.position, fmt::format("{}: {} heights make more than {} triangles",
+                                                      parameters.directive, given, limit));
   }
-  return {std::min(z0, z1), std::max(z0, z1)};
-}
-
-// A whole sphere is built without poles and seam, unless texture coordinates need them.
-Mesh PbrtSphere(PbrtParameters& parameters, bool needs_uvs) {
-  const float radius = FindPositive(parameters, "radius", 1);
-  const float phi = FindPhi(parameters);
-  const auto [z0, z1] = FindRange(parameters, -radius, radius);
-  const float low = std::clamp(z0, -radius, radius), high = std::clamp(z1, -radius, radius);
-  const bool whole = low == -radius && high == radius && phi == 360;
-  return whole && !needs_uvs ? Sphere(radius) : SpherePatch(radius, low, high, phi);
-}
-
-Mesh PbrtDisk(PbrtParameters& parameters) {
-  const float radius = FindPositive(parameters, "radius", 1);
-  const float inner = FindFloat(parameters, "innerradius").value_or(0);
-  if (!(inner >= 0 && inner < radius)) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: the innerradius {} is not between 0 and the radius",
-                                 parameters.directive, inner));
+  Mesh mesh;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      const glm::vec2 uv(float(x) / float(columns - 1), float(y) / float(rows - 1));
+      mesh.positions.emplace_back(uv, found->floats[mesh.positions.size()]);
+      mesh.uvs.push_back(uv);
+    }
   }
-  const float height = FindFloat(parameters, "height").value_or(0);
-  return DiskPatch(radius, inner, height, FindPhi(parameters));
-}
-
-Mesh PbrtCylinder(PbrtParameters& parameters) {
-  const float radius = FindPositive(parameters, "radius", 1);
-  const auto [low, high] = FindRange(parameters, -1, 1);
-  return CylinderPatch(radius, low, high, FindPhi(parameters));
+  const auto width = std::uint32_t(columns);
+  for (std::uint32_t y = 0; y + 1 < std::uint32_t(rows); ++y) {
+    for (std::uint32_t x = 0; x + 1 < width; ++x) {
+      const std::uint32_t corner = y * width + x;
+      mesh.triangles.emplace_back(corner, corner + 1, corner + width + 1);
+      mesh.triangles.emplace_back(corner, corner + width + 1, corner + width);
+    }
+  }
+  return mesh;
 }
 
 Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit, std::size_t& patches) {
@@ -355,29 +333,6 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
 
 }  // namespace
 
-PbrtRoundNumbers FindRoundNumbers(const std::string& type, PbrtParameters& parameters) {
-  PbrtRoundNumbers round;
-  const bool disk = type == "disk";
-  for (const char* name : {"phimax", disk ? "height" : "zmin", disk ? "innerradius" : "zmax"}) {
-    round.numbers.push_back(FindFloat(parameters, name));
-  }
-  const bool whole = std::none_of(round.numbers.begin(), round.numbers.end(),
-                                  [](const std::optional<float>& number) { return number; });
-  if (type == "sphere" && whole) {
-    round.scale = FindPositive(parameters, "radius", 1);
-    std::erase_if(parameters.list, [](const auto& parameter) {
-      return parameter.name == "radius" && parameter.type == "float";
-    });
-  } else {
-    round.numbers.push_back(FindFloat(parameters, "radius"));
-  }
-  return round;
-}
-
-bool IsRoundPbrtShape(std::string_view type) {
-  return type == "sphere" || type == "disk" || type == "cylinder";
-}
-
 std::optional<PbrtShape> MakePbrtShape(
     const std::string& type, PbrtParameters& parameters,
     const std::function<std::string(const std::string&)>& resolve, const PbrtShapeOptions& options,
@@ -395,12 +350,11 @@ std::optional<PbrtShape> MakePbrtShape(
     mesh = LoopSubdivisionSurface(parameters, limit, warnings);
     if (options.corner_uvs) GiveCornersUvs(mesh);
     shape.faces = mesh.triangles.size();
-  } else if (type == "sphere") {
-    mesh = PbrtSphere(parameters, options.needs_uvs);
-  } else if (type == "disk") {
-    mesh = PbrtDisk(parameters);
-  } else if (type == "cylinder") {
-    mesh = PbrtCylinder(parameters);
+  } else if (IsRoundPbrtShape(type)) {
+    mesh = MakeRoundPbrtShape(type, parameters, options.needs_uvs);
+  } else if (type == "heightfield") {
+    mesh = Heightfield(parameters, limit);
+    shape.faces = mesh.triangles.size();
   } else if (type == "bilinearmesh") {
     mesh = BilinearMesh(parameters, limit, shape.faces);
   } else if (type == "curve") {

@@ -1,5 +1,5 @@
 // Builds pbrt's shapes as meshes in their own space: trianglemesh, plymesh, loopsubdiv,
-// bilinearmesh, sphere, cylinder, disk, curve.
+// bilinearmesh, curve, heightfield, and round shapes (scene/pbrt/round_shapes.h).
 #pragma once
 
 #include <functional>
@@ -26,17 +26,6 @@ struct PbrtShape {
   Mesh mesh;
   std::size_t faces = 1;  // triangles, patches or polygons of the file; 1: a round shape, or curves
 };
-
-// Returns whether pbrt intersects a shape itself, which is a mesh of patches here.
-bool IsRoundPbrtShape(std::string_view type);
-
-// Returns the numbers that make the form of a round shape, without the radius of a whole sphere,
-// which is taken out of the parameters: the sphere of radius 1 has a scale then.
-struct PbrtRoundNumbers {
-  std::vector<std::optional<float>> numbers;
-  float scale = 1;
-};
-PbrtRoundNumbers FindRoundNumbers(const std::string& type, PbrtParameters& parameters);
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the

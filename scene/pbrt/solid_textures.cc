@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "scene/materials/noise.h"
+#include "scene/pbrt/round_shapes.h"
 #include "scene/pbrt/shapes.h"
 #include "scene/shapes/curves.h"
 #include "scene/shapes/mesh.h"

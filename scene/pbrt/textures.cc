@@ -19,9 +19,6 @@
 namespace skywave {
 namespace {
 
-// Texels that are not to be interpolated become squares of as many per side, at least.
-constexpr int kLeastSquare = 4;
-
 // Returns whether an operand of a texture has an image.
 bool HasImageOperand(PbrtParameters& parameters, const PbrtTextures& textures) {
   return std::any_of(parameters.list.begin(), parameters.list.end(), [&](const auto& parameter) {
@@ -156,39 +153,24 @@ std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding e
   return known->second;
 }
 
-// Returns the image of the nearest texel of another one: each texel becomes a square of them, of
-// which only the rim is interpolated. Large images, and those for which the scene has no texels
-// left, are interpolated as they are, with a warning.
-std::uint32_t UnfilteredImage(PbrtReader& reader, const PbrtParameters& parameters,
-                              std::uint32_t image) {
-  if (const auto known = reader.unfiltered_images.find(image);
-      known != reader.unfiltered_images.end()) {
-    return known->second;
-  }
-  const Image& texels = reader.scene.images[image];
-  const int by = std::min(kMaxBakedSide / std::max(texels.width, texels.height), kCheckTexels);
-  const int width = texels.width * by, height = texels.height * by;
-  const std::size_t count = std::size_t(width) * std::size_t(height);
-  const bool too_large = by < kLeastSquare;
-  if (too_large || reader.baked_texels + count > kMaxBakedTexels) {
-    const std::string which = too_large ? fmt::format("images of more than {} texels per side",
-                                                      kMaxBakedSide / kLeastSquare)
-                                        : "so many images";
+// Returns the image of the nearest texel of another one, or the image itself with a warning where
+// that would be too large.
+std::uint32_t Unfiltered(PbrtReader& reader, const PbrtParameters& parameters,
+                         std::uint32_t image) {
+  const auto [known, is_new] = reader.unfiltered_images.try_emplace(image, image);
+  if (!is_new) return known->second;
+  std::size_t budget = kMaxBakedTexels - std::min(reader.baked_texels, kMaxBakedTexels);
+  std::optional<Image> squares = UnfilteredImage(reader.scene.images[image], budget);
+  if (!squares) {
     Warn(reader, parameters,
-         fmt::format("the filter \"point\" is not supported for {}: texels are interpolated",
-                     which));
+         fmt::format("the filter \"point\" is not supported for so many images, or for images of "
+                     "more than {} texels per side: texels are interpolated",
+                     kMaxUnfilteredSide));
     return image;
   }
-  reader.baked_texels += count;
-  Image squares(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      std::copy_n(texels.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
-    }
-  }
-  const std::uint32_t unfiltered = AddTextureImage(reader.scene, std::move(squares));
-  reader.unfiltered_images.emplace(image, unfiltered);
-  return unfiltered;
+  reader.baked_texels = kMaxBakedTexels - budget;
+  known->second = AddTextureImage(reader.scene, *std::move(squares));
+  return known->second;
 }
 
 // pbrt clamps colours at the image, too.
@@ -213,7 +195,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   const bool invert = FindBool(parameters, "invert").value_or(false);
   texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
                         : FloatImage(reader, path, encoding.encoding, unfiltered);
-  if (unfiltered) texture.image = UnfilteredImage(reader, parameters, texture.image);
+  if (unfiltered) texture.image = Unfiltered(reader, parameters, texture.image);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {
     return color ? ClampedPbrtTexture(reader, plain) : plain;

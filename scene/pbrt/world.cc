@@ -13,6 +13,7 @@
 #include "scene/instances.h"
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
+#include "scene/pbrt/round_shapes.h"
 #include "scene/pbrt/shapes.h"
 #include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"

@@ -10,6 +10,8 @@ namespace {
 
 int Steps(double degrees) { return std::max(1, int(std::ceil(std::abs(degrees) / kPatchDegrees))); }
 
+constexpr int kCurvedRows = 45;  // of surfaces that are curved along v, too
+
 // Returns (cos, sin) of a fraction of a turn; a whole turn ends exactly where it begins.
 glm::dvec2 OnCircle(double u, double phi_degrees) {
   const double phi = glm::radians(u * phi_degrees);
@@ -68,6 +70,60 @@ Mesh CylinderPatch(float radius, float low, float high, float phi_degrees) {
         const glm::dvec3 normal(OnCircle(u, phi_degrees), 0);
         const glm::dvec3 along(0, 0, glm::mix(double(low), double(high), v));
         return SurfacePoint{double(radius) * normal + along, normal, {u, v}};
+      },
+      mesh);
+  return mesh;
+}
+
+Mesh ConePatch(float radius, float height, float phi_degrees) {
+  Mesh mesh;
+  AddPatch(
+      Steps(phi_degrees), 1,
+      [&](double u, double v) {
+        const glm::dvec2 circle = OnCircle(u, phi_degrees);
+        return SurfacePoint{{(1 - v) * double(radius) * circle, v * double(height)},
+                            {double(height) * circle, radius},
+                            {u, v}};
+      },
+      mesh);
+  return mesh;
+}
+
+Mesh ParaboloidPatch(float radius, float low, float high, float phi_degrees) {
+  // Rows are equally far apart in the distance from the axis, so the apex is as round as the rim.
+  const double first = std::sqrt(double(low) / high);
+  Mesh mesh;
+  AddPatch(
+      Steps(phi_degrees), kCurvedRows,
+      [&](double u, double w) {
+        const double s = glm::mix(first, 1.0, w), z = s * s * high;
+        const glm::dvec2 circle = OnCircle(u, phi_degrees);
+        return SurfacePoint{{s * double(radius) * circle, z},
+                            {2.0 * s * double(high) * circle, -double(radius)},
+                            {u, (z - low) / (double(high) - low)}};
+      },
+      mesh);
+  return mesh;
+}
+
+Mesh HyperboloidPatch(const glm::dvec3& p1, const glm::dvec3& p2, float phi_degrees) {
+  const glm::dvec3 line = p2 - p1;
+  const auto turned = [](const glm::dvec3& p, const glm::dvec2& circle) {
+    return glm::dvec3(p.x * circle.x - p.y * circle.y, p.x * circle.y + p.y * circle.x, p.z);
+  };
+  const bool straight = line.x * p1.y == line.y * p1.x;  // the line lies in a plane of the axis
+  Mesh mesh;
+  AddPatch(
+      Steps(phi_degrees), straight ? 1 : kCurvedRows,
+      [&](double u, double v) {
+        const glm::dvec2 circle = OnCircle(u, phi_degrees);
+        // A point of the axis takes its normal from beside it.
+        glm::dvec3 beside = p1 + v * line;
+        if (beside.x == 0 && beside.y == 0) beside = p1 + (v < 0.5 ? 1e-6 : 1 - 1e-6) * line;
+        const glm::dvec3 across = turned({-beside.y, beside.x, 0}, circle);
+        glm::dvec3 normal = glm::cross(across, turned(line, circle));
+        if (normal == glm::dvec3(0)) normal = {0, 0, 1};
+        return SurfacePoint{turned(p1 + v * line, circle), normal, {u, v}};
       },
       mesh);
   return mesh;

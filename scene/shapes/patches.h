@@ -27,6 +27,11 @@ void AddPatch(int columns, int rows, const PatchSurface& surface, Mesh& mesh);
 // low < high <= radius.
 Mesh SpherePatch(float radius, float low, float high, float phi_degrees);
 Mesh CylinderPatch(float radius, float low, float high, float phi_degrees);
+// These have v from the rim at z = 0 to the apex at `height`; from `low` to `high` in z, 0 <= low <
+// high, of which `radius` is that at `high`; and along the line from p1 to p2, which is revolved.
+Mesh ConePatch(float radius, float height, float phi_degrees);
+Mesh ParaboloidPatch(float radius, float low, float high, float phi_degrees);
+Mesh HyperboloidPatch(const glm::dvec3& p1, const glm::dvec3& p2, float phi_degrees);
 // The disk lies at z = height with normal +z; v runs from the outer to the inner circle.
 Mesh DiskPatch(float radius, float inner_radius, float height, float phi_degrees);
 

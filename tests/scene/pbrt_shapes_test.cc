@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/patches.h"
@@ -42,6 +43,24 @@ void ExpectConsistent(const Mesh& mesh) {
   }
 }
 
+// Of the surface from the apex to a rim of that radius and height.
+double AreaOfParaboloid(double radius, double height) {
+  const double a = height / (radius * radius);
+  return M_PI / (6 * a * a) * (std::pow(1 + 4 * a * a * radius * radius, 1.5) - 1);
+}
+
+// The integral of |dp/du x dp/dv| by the midpoint rule.
+double AreaOfHyperboloid(const glm::dvec3& p1, const glm::dvec3& p2) {
+  const glm::dvec3 d = p2 - p1;
+  double area = 0;
+  constexpr int kSteps = 1000;
+  for (int i = 0; i < kSteps; ++i) {
+    const glm::dvec3 p = p1 + (i + 0.5) / kSteps * d;
+    area += 2 * M_PI * std::hypot(std::hypot(p.x, p.y) * d.z, p.x * d.x + p.y * d.y) / kSteps;
+  }
+  return area;
+}
+
 TEST(RoundShapes, HaveTheirAreas) {
   // A zone of a sphere has the area phi r h. Cuts of 2 degrees lose at most 3e-4 of it.
   const struct {
@@ -57,6 +76,16 @@ TEST(RoundShapes, HaveTheirAreas) {
       {"Shape \"disk\" \"float radius\" 3 \"float innerradius\" 1 \"float phimax\" 45", M_PI},
       {"Shape \"cylinder\" \"float radius\" 2 \"float zmin\" -1 \"float zmax\" 3", 2 * M_PI * 8},
       {"Shape \"cylinder\" \"float phimax\" 60", M_PI / 3 * 2},
+      {"Shape \"cone\" \"float radius\" 2 \"float height\" 3", M_PI * 2 * std::sqrt(13.0)},
+      {"Shape \"cone\" \"float phimax\" 90", M_PI / 4 * std::sqrt(2.0)},
+      {"Shape \"paraboloid\" \"float radius\" 2 \"float zmin\" .5 \"float zmax\" 2",
+       AreaOfParaboloid(2, 2) - AreaOfParaboloid(1, 0.5)},
+      {"Shape \"paraboloid\"", AreaOfParaboloid(1, 1)},
+      {"Shape \"hyperboloid\" \"point p1\" [2 0 0] \"point p2\" [1 0 1]",
+       M_PI * 3 * std::sqrt(2.0)},
+      {"Shape \"hyperboloid\" \"point p1\" [1 0 0] \"point p2\" [.8 1 .8]",
+       AreaOfHyperboloid({1, 0, 0}, {.8, 1, .8})},
+      {"Shape \"hyperboloid\"", M_PI * std::sqrt(2.0) * std::sqrt(3.0)},
   };
   for (const auto& expected : shapes) {
     SCOPED_TRACE(expected.shape);
@@ -94,6 +123,54 @@ TEST(RoundShapes, AreOrientedAsInPbrt) {
 }
 
 // Without textures a whole sphere has no poles; with textures it has coordinates.
+// The equations of the surfaces, and normals as pbrt-v3's derivatives give them: a cone's lean
+// upwards, a paraboloid's downwards.
+TEST(RoundShapes, OfVersion3LieOnTheirSurfaces) {
+  const Mesh cone = Shape("Shape \"cone\" \"float radius\" 2 \"float height\" 3");
+  for (std::size_t i = 0; i < cone.positions.size(); ++i) {
+    const glm::vec3 p = cone.positions[i], n = cone.normals[i];
+    EXPECT_NEAR(std::hypot(p.x, p.y), 2 - 2 * p.z / 3, 1e-6);
+    EXPECT_NEAR(n.z, 2 / std::sqrt(13.0), 1e-6);
+    EXPECT_NEAR(cone.uvs[i].y, p.z / 3, 1e-6);
+  }
+  const Mesh bowl = Shape("Shape \"paraboloid\" \"float radius\" 2 \"float zmax\" 3");
+  for (std::size_t i = 0; i < bowl.positions.size(); ++i) {
+    const glm::vec3 p = bowl.positions[i], n = bowl.normals[i];
+    EXPECT_NEAR(p.z, 3 * (p.x * p.x + p.y * p.y) / 4, 1e-5);
+    // The gradient of 3 (x^2 + y^2) / 4 - z.
+    const glm::vec3 gradient = glm::normalize(glm::vec3(1.5f * p.x, 1.5f * p.y, -1));
+    EXPECT_NEAR(glm::dot(n, gradient), 1, 1e-5);
+    EXPECT_NEAR(bowl.uvs[i].y, p.z / 3, 1e-6);
+  }
+  // One of its straight lines is that from p1 to p2.
+  const Mesh waist = Shape("Shape \"hyperboloid\" \"point p1\" [1 0 0] \"point p2\" [.8 1 .8]");
+  for (std::size_t i = 0; i < waist.positions.size(); ++i) {
+    const glm::vec3 p = waist.positions[i];
+    const double v = waist.uvs[i].y, x = 1 - 0.2 * v;
+    EXPECT_NEAR(p.z, 0.8 * v, 1e-6);
+    EXPECT_NEAR(p.x * p.x + p.y * p.y, x * x + v * v, 1e-5);
+  }
+}
+
+TEST(RoundShapes, ThatMakeNoSurfaceAreRefused) {
+  for (const char* const shape :
+       {"\"cone\" \"float height\" 0", "\"paraboloid\" \"float zmin\" -1",
+        "\"hyperboloid\" \"point p1\" [1 1 1]", "\"heightfield\" \"integer nu\" 2",
+        "\"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 1 2]"}) {
+    EXPECT_THROW(Shape(std::string("Shape ") + shape), InputError) << shape;
+  }
+}
+
+TEST(Heightfield, IsFlatTrianglesOverTheUnitSquare) {
+  const Mesh mesh =
+      Shape("Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2 \"float Pz\" [0 1 2 3 4 5]");
+  ASSERT_EQ(mesh.positions.size(), 6u);
+  EXPECT_EQ(mesh.positions[4], glm::vec3(0.5f, 1, 4));
+  EXPECT_TRUE(mesh.normals.empty());
+  ASSERT_EQ(mesh.triangles.size(), 4u);
+  for (const glm::uvec3& t : mesh.triangles) EXPECT_GT(Cross(mesh, t).z, 0);
+}
+
 TEST(RoundShapes, WholeSpheresHaveCoordinatesWhereTexturesAre) {
   EXPECT_TRUE(Shape("Shape \"sphere\"").uvs.empty());
   const Mesh mesh = Shape("Texture \"c\" \"color\" \"checkerboard\" Shape \"sphere\"");
