@@ -228,7 +228,7 @@ Columns Slice(Columns columns, std::uint32_t begin) {
 // A triangle as shading knows it: 16 bytes, one gather of a line.
 struct TriangleRecord {
   std::uint32_t normal[3];  // of the corners, octahedral, 16 bits a coordinate (EncodeNormal)
-  std::uint32_t tag;        // material | kFlatTriangle | kind << kKindShift
+  std::uint32_t tag;        // material | kFlatTriangle and its like | kind << kKindShift
 };
 inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
@@ -236,7 +236,18 @@ inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geo
 // a record of the same triangle with the first material, and the next row has the second one;
 // normal[1] is the share of the second one, a float's bits; normal[2] is the mixture, a material.
 inline constexpr std::uint32_t kMixedTriangle = 1u << 21;
+// Camera rays pass through one side of the triangle: the one that its normals point away from or,
+// where its corners were turned to agree with the normals, the other one.
+inline constexpr std::uint32_t kOneSidedTriangle = 1u << 22;
+inline constexpr std::uint32_t kTurnedTriangle = 1u << 23;
 inline constexpr std::uint32_t kKindShift = 24;
+
+// Returns true if the camera does not see that side of a triangle. `normal_side` is the side that
+// the geometric normal is on.
+inline bool IsHiddenSide(std::uint32_t tag, bool normal_side) {
+  return (tag & kOneSidedTriangle) != 0 && normal_side == ((tag & kTurnedTriangle) != 0);
+}
+
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
 
 // Returns the index of a member of a record among the record's words, for kernels that gather.

@@ -59,6 +59,7 @@ void EmbreeScene::StartDevice(const std::string& path, const std::string& config
 void EmbreeScene::AddTriangles(const EmbreeTriangles& triangles, const TriangleSpan& span) {
   const RTCScene scene = scenes_.emplace_back(rtcNewScene(device_.get())).get();
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  if (triangles.calls_filter) rtcSetSceneFlags(scene, kFiltersOfCalls);
   const std::uint32_t first[] = {span.first, span.first_with_alpha, span.end};
   for (unsigned id = 0; id < 2; ++id) {
     const std::uint32_t count = first[id + 1] - first[id];

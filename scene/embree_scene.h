@@ -50,6 +50,7 @@ struct EmbreeTriangles {
   std::span<const TriangleSpan> spans;  // the world's, then those of the objects
   std::span<const EmbreeInstance> instances;
   OpacityView opacity;  // Embree asks it at every hit of a triangle with alpha
+  bool calls_filter;    // calls may bring filters of their own
 };
 
 class EmbreeScene {

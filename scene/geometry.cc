@@ -13,7 +13,7 @@ bool HaveOneBvh(const GeometryTables& a, const GeometryTables& b) {
                                               std::end(x.world_from_object), y.world_from_object);
   };
   return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices && a.indices == b.indices &&
-         a.spans == b.spans &&
+         a.spans == b.spans && a.one_sided == b.one_sided &&
          std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     same);
 }
@@ -33,7 +33,8 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                                                 .indices = tables_.indices.data(),
                                                 .spans = tables_.spans,
                                                 .instances = tables_.instances,
-                                                .opacity = opacity_},
+                                                .opacity = opacity_,
+                                                .calls_filter = tables_.one_sided},
                                 path, threads, embree_config)) {}
 
 MaterialView Geometry::materials() const {

@@ -54,6 +54,7 @@ class Geometry {
   bool absorbs() const { return tables_.absorbs; }  // whether light is lost inside some material
   // One per triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tables_.tangents.data(); }
+  bool has_one_sided() const { return tables_.one_sided; }  // triangles (kOneSidedTriangle)
   bool has_mixtures() const { return !tables_.mixed.empty(); }
   std::size_t triangle_count() const { return tables_.triangle_count(); }
   std::size_t record_count() const { return tables_.triangles.size(); }  // variants included

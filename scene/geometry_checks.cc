@@ -35,6 +35,7 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
   }
   check_count(mesh.uvs.size(), "uvs");
   check_count(mesh.colors.size(), "colours");
+  check_count(mesh.alphas.size(), "alphas");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int corner = 0; corner < 3; ++corner) {
       if (mesh.triangles[i][corner] >= mesh.positions.size()) {

@@ -29,7 +29,7 @@ const BsdfKernels& BsdfOf(const Material& material) { return Bsdfs()[std::size_t
 
 // The columns of a triangle that only some scenes have.
 struct TriangleColumns {
-  bool uvs, tangents, colors;
+  bool uvs, tangents, colors, alphas;
 };
 
 TriangleColumns ColumnsOf(const Scene& scene, std::span<const Mesh* const> meshes, bool uvs) {
@@ -37,7 +37,9 @@ TriangleColumns ColumnsOf(const Scene& scene, std::span<const Mesh* const> meshe
   return {.uvs = uvs,
           .tangents = std::any_of(materials.begin(), materials.end(), HasTangent),
           .colors = std::any_of(meshes.begin(), meshes.end(),
-                                [](const Mesh* mesh) { return !mesh->colors.empty(); })};
+                                [](const Mesh* mesh) { return !mesh->colors.empty(); }),
+          .alphas = std::any_of(meshes.begin(), meshes.end(),
+                                [](const Mesh* mesh) { return !mesh->alphas.empty(); })};
 }
 
 // Returns all meshes in the order in which MeshPlace counts them.
@@ -52,11 +54,12 @@ std::vector<const Mesh*> AllMeshes(const Scene& scene) {
 
 // Makes the record of a triangle, and turns `corners` so that its vertex normals are on its outer
 // side. A triangle whose normals are no directions is flat.
-TriangleRecord MakeRecord(const Mesh& mesh, glm::uvec3& corners) {
+TriangleRecord MakeRecord(const Mesh& mesh, bool one_sided, glm::uvec3& corners) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
   TriangleRecord record = {.normal = {}, .tag = mesh.material};
+  if (one_sided) record.tag |= kOneSidedTriangle;
   bool smooth = !mesh.normals.empty();
   if (smooth) {
     glm::vec3 normals[3], sum(0);
@@ -69,6 +72,7 @@ TriangleRecord MakeRecord(const Mesh& mesh, glm::uvec3& corners) {
     if (smooth && glm::dot(sum, face) < 0) {
       std::swap(corners.y, corners.z);
       std::swap(normals[1], normals[2]);
+      if (one_sided) record.tag |= kTurnedTriangle;
     }
     for (int i = 0; smooth && i < 3; ++i) {
       record.normal[i] = EncodeNormal(normals[i].x, normals[i].y, normals[i].z);
@@ -94,9 +98,10 @@ std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
   return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
 }
 
-void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
-                    const TriangleColumns& columns, GeometryTables& tables) {
-  tables.triangles.push_back(MakeRecord(mesh, corners));
+void AppendTriangle(const Mesh& mesh, bool one_sided, glm::uvec3 corners,
+                    std::uint32_t first_vertex, const TriangleColumns& columns,
+                    GeometryTables& tables) {
+  tables.triangles.push_back(MakeRecord(mesh, one_sided, corners));
   for (int i = 0; i < 3; ++i) tables.indices.push_back(first_vertex + corners[i]);
   if (columns.uvs) tables.textures.uvs.push_back(MakeTriangleUvs(mesh, corners));
   if (columns.tangents) tables.tangents.push_back(PackTangent(mesh, corners));
@@ -104,9 +109,12 @@ void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_ve
     const glm::vec3 color = mesh.colors.empty() ? glm::vec3(1) : mesh.colors[corners[i]];
     tables.vertex_colors.push_back(PackTexel(&color.x));
   }
+  for (int i = 0; columns.alphas && i < 3; ++i) {
+    tables.vertex_alphas.push_back(mesh.alphas.empty() ? 1 : mesh.alphas[corners[i]]);
+  }
 }
 
-void AddMesh(const Mesh& mesh, std::uint32_t index, const TriangleColumns& columns,
+void AddMesh(const Mesh& mesh, bool one_sided, std::uint32_t index, const TriangleColumns& columns,
              GeometryTables& tables) {
   const auto first_vertex = std::uint32_t(tables.vertices.size() / 3);
   for (const glm::vec3& p : mesh.positions) {
@@ -114,7 +122,7 @@ void AddMesh(const Mesh& mesh, std::uint32_t index, const TriangleColumns& colum
   }
   tables.meshes.push_back({index, std::uint32_t(tables.triangles.size()), first_vertex});
   for (const glm::uvec3& triangle : mesh.triangles) {
-    AppendTriangle(mesh, triangle, first_vertex, columns, tables);
+    AppendTriangle(mesh, one_sided, triangle, first_vertex, columns, tables);
   }
 }
 
@@ -125,8 +133,10 @@ void AddSpan(const Scene& scene, std::span<const Mesh* const> meshes, std::size_
   TriangleSpan span = {.first = std::uint32_t(tables.triangles.size())};
   for (const bool opaque : {true, false}) {
     for (std::size_t i = first; i < first + count; ++i) {
-      if (scene.materials[meshes[i]->material].opaque() != opaque) continue;
-      AddMesh(*meshes[i], std::uint32_t(i), columns, tables);
+      const Material& material = scene.materials[meshes[i]->material];
+      if ((material.opaque() && meshes[i]->alphas.empty()) != opaque) continue;
+      AddMesh(*meshes[i], material.one_sided, std::uint32_t(i), columns, tables);
+      tables.one_sided = tables.one_sided || material.one_sided;
     }
     if (opaque) span.first_with_alpha = std::uint32_t(tables.triangles.size());
   }
@@ -235,6 +245,7 @@ void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables
     tables.bsdfs |= BsdfSet{1} << bsdf;
     return;
   }
+  const std::uint32_t sides = tables.triangles[i].tag & (kOneSidedTriangle | kTurnedTriangle);
   const auto first = std::uint32_t(tables.triangles.size());
   AppendVariant(i, mixture->first, tables);
   AppendVariant(i, mixture->second, tables);
@@ -242,7 +253,7 @@ void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables
   const std::uint32_t share =
       texture ? kShareOfTexture | *texture
               : std::bit_cast<std::uint32_t>(std::abs(mixture->share));  // -0 has the texture's bit
-  tables.triangles[i] = {.normal = {first, share, material}, .tag = kMixedTriangle};
+  tables.triangles[i] = {.normal = {first, share, material}, .tag = kMixedTriangle | sides};
 }
 
 // Variants come after all triangles, and variants of variants after those.
@@ -409,16 +420,19 @@ bool GeometryTables::has_alpha() const {
 
 OpacityView GeometryTables::opacity_view() const {
   if (!has_alpha()) return {};
-  return {.triangles = triangles.data(), .records = opacity.data(), .textures = textures.view()};
+  return {.triangles = triangles.data(),
+          .records = opacity.data(),
+          .textures = textures.view(),
+          .of_corners = vertex_alphas.empty() ? nullptr : vertex_alphas.data()};
 }
 
 std::size_t GeometryTables::bytes() const {
   const auto bytes_of = [](const auto&... table) {
     return (... + (table.size() * sizeof table[0]));
   };
-  return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
-                  coats, dielectrics, normal_maps, map_axes, map_slopes, opacity, instances,
-                  instance_records, places.first) +
+  return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, vertex_alphas,
+                  mixed, measured, coats, dielectrics, normal_maps, map_axes, map_slopes, opacity,
+                  instances, instance_records, places.first) +
          textures.bytes();
 }
 

@@ -43,9 +43,11 @@ struct GeometryTables {
   std::vector<std::uint32_t> mixed;          // of every variant: the record that it is a variant of
   std::vector<std::uint32_t> tangents;       // by record, for PrepareTangents
   std::vector<std::uint32_t> vertex_colors;  // three per record, packed as texels
+  std::vector<float> vertex_alphas;          // three per triangle, for OpacityView
   std::vector<TriangleTangents> map_axes;    // by record, for BendNormals
   std::vector<TriangleSlopes> map_slopes;    // likewise
   BsdfSet bsdfs = 0;                         // those of the triangles
+  bool one_sided = false;                    // camera rays pass through the back of some triangle
 
   std::vector<MaterialRecord> materials;
   std::vector<NormalMapRecord> normal_maps;  // by material

@@ -46,8 +46,9 @@ struct Mesh {
   // of normal x tangent), as glTF has it. Where they are empty, the uvs give those of each
   // triangle.
   std::vector<glm::vec4> tangents;
-  std::vector<glm::vec3>
-      colors;  // empty or one per position: factor of the reflectance, linear RGB
+  // Empty or one per position: factors of the reflectance (linear RGB) and of the opacity.
+  std::vector<glm::vec3> colors;
+  std::vector<float> alphas;
   std::vector<glm::uvec3> triangles;  // indices into positions
   std::uint32_t material = 0;         // index into Scene::materials
 };

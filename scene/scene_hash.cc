@@ -62,6 +62,7 @@ void AddMesh(const Mesh& mesh, Hash& hash) {
   hash.Add(mesh.material);
   if (!mesh.tangents.empty()) hash.AddAll(mesh.tangents);
   if (!mesh.colors.empty()) hash.AddAll(mesh.colors);
+  if (!mesh.alphas.empty()) hash.AddAll(mesh.alphas);
 }
 
 void AddTexture(const Texture& texture, Hash& hash) {

@@ -42,7 +42,8 @@ enum class MaterialPart {
   kSingleScattering,
   kSecondColorTexture,
   kReflection,
-  kEmission
+  kEmission,
+  kSidedness
 };
 
 struct Material {
@@ -110,6 +111,9 @@ struct Material {
   glm::vec3 emission{0.0f};
   bool emits_on_both_sides = false;
   std::optional<std::uint32_t> emission_texture;
+  // Camera rays pass through the back, which is the side from which corners are clockwise. All
+  // other rays meet both sides.
+  bool one_sided = false;
 
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
@@ -141,6 +145,8 @@ struct Material {
         return reflection.has_value();
       case MaterialPart::kEmission:
         return emission != glm::vec3(0);
+      case MaterialPart::kSidedness:
+        return one_sided;
     }
     return true;
   }
@@ -155,7 +161,7 @@ struct Material {
            sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
            roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
            normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture] = self;
+           emits_on_both_sides, emission_texture, one_sided] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -192,6 +198,7 @@ struct Material {
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);
     f("emission_texture", kEmission, emission_texture);
+    f("one_sided", kSidedness, one_sided);
   }
 };
 

@@ -1,5 +1,7 @@
 #include "kernels/surface/opacity.h"
 
+#include <cstddef>
+
 namespace skywave {
 namespace {
 
@@ -20,8 +22,15 @@ const OpacityRecord& RecordOf(const OpacityView& view, std::uint32_t triangle) {
 
 float Opacity(const OpacityView& view, std::uint32_t triangle, float u, float v) {
   const OpacityRecord& record = RecordOf(view, triangle);
-  if (record.texture == 0) return record.factor;
-  return record.factor * FirstChannel(view.textures, record.texture - 1, triangle, u, v);
+  float opacity = record.factor;
+  if (record.texture != 0) {
+    opacity *= FirstChannel(view.textures, record.texture - 1, triangle, u, v);
+  }
+  if (view.of_corners != nullptr) {
+    const float* const corner = view.of_corners + 3 * std::size_t{triangle};
+    opacity *= corner[0] * (1 - u - v) + corner[1] * u + corner[2] * v;
+  }
+  return opacity;
 }
 
 bool StopsRay(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u,

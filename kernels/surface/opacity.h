@@ -29,9 +29,11 @@ struct OpacityView {
   const TriangleRecord* triangles;
   const OpacityRecord* records;  // by material
   TextureView textures;
+  const float* of_corners = nullptr;  // three per triangle: factors; null: all are 1
 };
 
-// Returns the opacity of `triangle` at barycentric (u, v): factor times texture, not clamped.
+// Returns the opacity of `triangle` at barycentric (u, v): factor times texture times what its
+// corners have, not clamped.
 float Opacity(const OpacityView& view, std::uint32_t triangle, float u, float v);
 
 // Returns true if the ray with that key hits the triangle there.

@@ -272,8 +272,9 @@ void SetOpacity(GltfTextures& context, const tinygltf::Material& from, Material&
       context.scene.textures.pop_back();
     }
   }
-  if (masked && !material.opacity_texture) {
-    material.opacity = material.opacity >= *material.opacity_cutoff ? 1.0f : 0.0f;
+  // Colours of vertices can only lower the alpha. The cutoff stays where they might.
+  if (masked && !material.opacity_texture && material.opacity < *material.opacity_cutoff) {
+    material.opacity = 0;
     material.opacity_cutoff.reset();
   }
 }
@@ -316,6 +317,8 @@ Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
     material = Layered(context, from, std::move(base));
   }
   material.name = from.name;
+  // What transmits is seen from inside, too.
+  material.one_sided = !from.doubleSided && GltfExtension(from, kTransmission) == nullptr;
   SetOpacity(context, from, material);
   SetEmission(context, from, material);
   return material;
@@ -372,7 +375,8 @@ const GltfMaterial& GltfMaterials::Use(int index) {
                        .bsdf = BsdfKind::kMetallicRoughness,
                        .reflectance = glm::vec3(1),
                        .alpha = 1,
-                       .metallic = 1};
+                       .metallic = 1,
+                       .one_sided = true};
   GltfMaterial& used = known->second;
   if (index >= 0) {
     const tinygltf::Material& from = materials[std::size_t(index)];

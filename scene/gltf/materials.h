@@ -25,11 +25,11 @@
 //                                    decides only how often that is sampled. Parts cut out by alpha
 //                                    do not emit
 //
-// Both sides of every surface are rendered, doubleSided or not: a side that cannot be seen would
-// still have to cast shadows, and path tracers show it (Cycles does).
+// doubleSided: camera rays pass through the back of what is not, unless it transmits. All other
+// rays, of shadows, reflections and scattered light, meet both sides.
 //
-// Occlusion textures are ignored without a warning because rendering computes occlusion. Texture
-// filtering is Skywave's own, whatever a sampler asks for.
+// Occlusion textures are ignored without a warning because rendering computes occlusion. Textures
+// are filtered in Skywave's own way, except that a magFilter of NEAREST is honoured.
 #pragma once
 
 #include <tiny_gltf.h>

@@ -57,29 +57,26 @@ std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
   return vectors;
 }
 
-// Reads COLOR_0, linear RGB or RGBA, clamped to [0, 1].
-std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
-                                    const tinygltf::Primitive& primitive, std::size_t vertices,
-                                    bool opaque, const std::string& path, Warnings& warnings) {
+// Reads COLOR_0, linear RGB or RGBA, clamped to [0, 1]. Its alpha counts where the material's does.
+void ReadVertexColors(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+                      bool opaque, const std::string& path, Mesh& mesh) {
   const auto found = primitive.attributes.find("COLOR_0");
-  if (found == primitive.attributes.end()) return {};
+  if (found == primitive.attributes.end()) return;
   const int accessor = found->second;
   const bool has_alpha = accessor >= 0 && std::size_t(accessor) < model.accessors.size() &&
                          model.accessors[std::size_t(accessor)].type == TINYGLTF_TYPE_VEC4;
   const std::size_t channels = has_alpha ? 4 : 3;
   const std::vector<float> numbers =
-      Attribute(model, primitive, "COLOR_0", int(channels), vertices, path);
-  std::vector<glm::vec3> colors;
+      Attribute(model, primitive, "COLOR_0", int(channels), mesh.positions.size(), path);
   bool veiled = false;
   for (std::size_t i = 0; i + channels <= numbers.size(); i += channels) {
-    colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 1], numbers[i + 2]), 0.0f, 1.0f));
-    veiled = veiled || (has_alpha && numbers[i + 3] < 1);
+    const glm::vec3 color(numbers[i], numbers[i + 1], numbers[i + 2]);
+    mesh.colors.push_back(glm::clamp(color, 0.0f, 1.0f));
+    if (opaque || !has_alpha) continue;
+    mesh.alphas.push_back(std::clamp(numbers[i + 3], 0.0f, 1.0f));
+    veiled = veiled || mesh.alphas.back() < 1;
   }
-  if (veiled && !opaque) {
-    AddWarning(warnings, InputPosition::File(path),
-               "the alpha of the colours of vertices is not supported: 1 is used");
-  }
-  return colors;
+  if (!veiled) mesh.alphas.clear();
 }
 
 // Adds the displacements of morph targets, each times its weight, to the elements of an attribute.
@@ -131,7 +128,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
       mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
     }
   }
-  mesh.colors = VertexColors(model, primitive, vertices, material.opaque, path, warnings);
+  ReadVertexColors(model, primitive, material.opaque, path, mesh);
 
   std::vector<std::uint32_t> indices(vertices);
   std::iota(indices.begin(), indices.end(), 0u);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "image/image.h"
+#include "scene/materials/texture_baking.h"
 #include "scene/scene.h"
 #include "scene/warnings.h"
 
@@ -27,6 +28,8 @@ struct GltfTextures {
   // What has been made of the images of the file, so that each is decoded once.
   std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
   std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};
+  std::map<std::uint32_t, std::uint32_t> unfiltered = {};  // by image, whose nearest texels count
+  std::size_t unfiltered_texels = kMaxBakedTexels;         // that such images may still have
 };
 
 // Adds a warning that names the file and the material.

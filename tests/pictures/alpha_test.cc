@@ -125,6 +125,31 @@ TEST(Alpha, MasksAreExact) {
   EXPECT_EQ(there, 32);
 }
 
+// The alpha of vertices grows from 0 at the left to 1 at the right; a cutoff makes an edge of it.
+TEST(Alpha, VerticesHaveTheirOwn) {
+  constexpr int kSize = 16;
+  Scene scene;
+  const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
+  Mesh quad = Quad(1);
+  for (const glm::vec3& p : quad.positions) quad.alphas.push_back((p.x + 1) / 2);
+  Place(scene, quad, black, {0, 0, 0});
+  scene.camera = LookAtCamera({0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 90, false);
+  SetConstantLight(scene, 1);
+  for (const float factor : {1.0f, 0.5f}) {
+    scene.materials[black].opacity = factor;
+    const Image image = Picture(scene, kSize, 256);
+    for (int x = 0; x < kSize; ++x) {
+      double column = 0;
+      for (int y = 0; y < kSize; ++y) column += image.Pixel(x, y)[0];
+      const double passes = 1 - factor * (x + 0.5) / kSize;
+      EXPECT_NEAR(column / kSize, passes, Tolerance(passes, kSize * 256)) << x;
+    }
+  }
+  scene.materials[black].opacity_cutoff = 0.25f;  // of 1/2 times the alpha
+  const Image cut = Picture(scene, kSize, 4);
+  for (int x = 0; x < kSize; ++x) EXPECT_EQ(cut.Pixel(x, 5)[0], x < kSize / 2 ? 1 : 0) << x;
+}
+
 TEST(Alpha, ScalarLookupsHaveTheBitsOfVectors) {
   Random random(71);
   Scene scene;

@@ -116,7 +116,8 @@ TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
   EXPECT_EQ(Read(document).materials[0].opacity, 0.5f);
   EXPECT_FALSE(Read(document).materials[0].opacity_texture);
   material["alphaMode"] = "MASK";
-  EXPECT_EQ(Read(document).materials[0].opacity, 1) << "the cutoff is 1/2";
+  EXPECT_EQ(Read(document).materials[0].opacity, 0.5f);
+  EXPECT_EQ(Read(document).materials[0].opacity_cutoff, 0.5f) << "the default";
   material["alphaCutoff"] = 0.6;
   EXPECT_EQ(Read(document).materials[0].opacity, 0);
   document["images"] = {{{"uri", "a.png"}}};
@@ -131,6 +132,21 @@ TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
   EXPECT_EQ(texture.use, TextureUse::kOpacity);
   EXPECT_EQ(scene.images[texture.image].rgb, (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
   EXPECT_TRUE(scene.warnings.empty());
+}
+
+// What transmits has to be seen from inside, too.
+TEST_F(Gltf, MaterialsHaveOneSideUnlessTheySayOtherwiseOrTransmit) {
+  json document = Document();
+  json& material = document["materials"][0];
+  material.erase("doubleSided");
+  EXPECT_TRUE(Read(document).materials[0].one_sided);
+  material["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+  EXPECT_FALSE(Read(document).materials[0].one_sided);
+  material.erase("extensions");
+  material["doubleSided"] = true;
+  EXPECT_FALSE(Read(document).materials[0].one_sided);
+  document["meshes"][0]["primitives"][0].erase("material");
+  EXPECT_TRUE(Read(document).materials[0].one_sided) << "the default material";
 }
 
 TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
@@ -184,7 +200,11 @@ TEST_F(Gltf, VertexColoursAreRead) {
   EXPECT_EQ(four.meshes[0].colors[1], glm::vec3(0));
   EXPECT_TRUE(four.warnings.empty());
   document["materials"][0]["alphaMode"] = "BLEND";
-  EXPECT_EQ(Read(document).warnings.size(), 1u) << "their alpha";
+  const Scene blended = Read(document);
+  EXPECT_TRUE(blended.warnings.empty());
+  EXPECT_EQ(blended.meshes[0].alphas, std::vector<float>(3, 0.0f));
+  EXPECT_TRUE(four.meshes[0].alphas.empty()) << "the material is opaque";
+  EXPECT_TRUE(scene.meshes[0].alphas.empty()) << "there is none";
   document["accessors"][4]["count"] = 2;
   EXPECT_NE(ErrorOf(document), "");
 }

@@ -433,16 +433,27 @@ TEST_F(Gltf, TexturesThatCannotBeReadAreLeftOut) {
   }
 }
 
-TEST_F(Gltf, NearestSamplersAreNamed) {
-  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+// Each texel is a square of texels, so that interpolation changes its rim alone.
+TEST_F(Gltf, NearestSamplersShowSquares) {
+  WritePng(folder_.Write("n.png", ""), 2, 1, {255, 0, 0, 0, 0, 255});
   json document = Document();
   document["images"] = {{{"uri", "n.png"}}};
   document["samplers"] = {{{"magFilter", 9728}}};
   document["textures"] = {{{"source", 0}, {"sampler", 0}}};
   document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   const Scene scene = Read(document);
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("NEAREST"), std::string::npos) << scene.warnings[0];
+  EXPECT_TRUE(scene.warnings.empty());
+  const Image& image = scene.images[scene.textures.at(0).image];
+  ASSERT_GE(image.width, 32);
+  ASSERT_EQ(image.width, 2 * image.height);
+  for (int x = 0; x < image.width; ++x) {
+    EXPECT_EQ(image.Pixel(x, 0)[0], x < image.height ? 1 : 0) << x;
+    EXPECT_EQ(image.Pixel(x, 0)[2], x < image.height ? 0 : 1) << x;
+  }
+  WritePng(folder_.Write("n.png", ""), 513, 1, std::vector<unsigned char>(513 * 3, 7));
+  const Scene large = Read(document);
+  ASSERT_EQ(large.warnings.size(), 1u);
+  EXPECT_NE(large.warnings[0].find("NEAREST"), std::string::npos) << large.warnings[0];
 }
 
 // Weights of a node are taken before those of its mesh; such nodes share no triangles.

@@ -48,6 +48,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
   mesh.uvs.assign(3, {0, 0});
   mesh.tangents.assign(3, {1, 0, 0, 1});
   mesh.colors.assign(3, glm::vec3(1));
+  mesh.alphas.assign(3, 1.0f);
   mesh.triangles = {{0, 1, 2}};
   Scene base;
   base.meshes = {mesh};
@@ -68,6 +69,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
       {"uv", [](Scene& s) { s.meshes[0].uvs[1].y = 1; }},
       {"tangent", [](Scene& s) { s.meshes[0].tangents[1].w = -1; }},
       {"colour of a vertex", [](Scene& s) { s.meshes[0].colors[1].y = 0; }},
+      {"alpha of a vertex", [](Scene& s) { s.meshes[0].alphas[1] = 0; }},
       {"triangle",
        [](Scene& s) {
          s.meshes[0].triangles[0] = {0, 2, 1};

@@ -20,6 +20,8 @@ struct RayStream {
 
 #if RTC_VERSION_MAJOR >= 4
 
+using EmbreeContext = RTCRayQueryContext;
+
 // State shared by all calls on one scene. Coherent packets use frustum traversal.
 struct EmbreeQuery {
   EmbreeQuery(RTCScene traced, bool coherent) : scene(traced) {
@@ -32,6 +34,16 @@ struct EmbreeQuery {
   }
   EmbreeQuery(const EmbreeQuery&) = delete;  // the arguments point to the context
   EmbreeQuery& operator=(const EmbreeQuery&) = delete;
+
+  // Asks `filter` about every hit, after the filter of the triangle. It gets `own`, which is a copy
+  // of the context with more behind it.
+  void FilterBy(RTCFilterFunctionN filter, EmbreeContext& own) {
+    rtcInitRayQueryContext(&own);
+    closest.context = any.context = &own;
+    closest.filter = any.filter = filter;
+    const int flags = closest.flags | RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+    closest.flags = any.flags = RTCRayQueryFlags(flags);
+  }
 
   RTCScene scene;
   RTCRayQueryContext context;
@@ -60,6 +72,8 @@ void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n);
 
 #else
 
+using EmbreeContext = RTCIntersectContext;
+
 struct EmbreeQuery {
   EmbreeQuery(RTCScene traced, bool coherent) : scene(traced) {
     rtcInitIntersectContext(&context);
@@ -67,21 +81,31 @@ struct EmbreeQuery {
         coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   }
 
+  void FilterBy(RTCFilterFunctionN filter, EmbreeContext& own) {
+    rtcInitIntersectContext(&own);
+    own.flags = context.flags;
+    own.filter = filter;
+    current = &own;
+  }
+  EmbreeQuery(const EmbreeQuery&) = delete;
+  EmbreeQuery& operator=(const EmbreeQuery&) = delete;
+
   RTCScene scene;
   RTCIntersectContext context;
+  RTCIntersectContext* current = &context;
 };
 
 inline void Intersect1(EmbreeQuery& query, RTCRayHit& ray) {
-  rtcIntersect1(query.scene, &query.context, &ray);
+  rtcIntersect1(query.scene, query.current, &ray);
 }
 inline void Intersect8(EmbreeQuery& query, const int* valid, RTCRayHit8& rays) {
-  rtcIntersect8(valid, query.scene, &query.context, &rays);
+  rtcIntersect8(valid, query.scene, query.current, &rays);
 }
 inline void Occluded1(EmbreeQuery& query, RTCRay& ray) {
-  rtcOccluded1(query.scene, &query.context, &ray);
+  rtcOccluded1(query.scene, query.current, &ray);
 }
 inline void Occluded8(EmbreeQuery& query, const int* valid, RTCRay8& rays) {
-  rtcOccluded8(valid, query.scene, &query.context, &rays);
+  rtcOccluded8(valid, query.scene, query.current, &rays);
 }
 
 inline RTCRayNp StreamOf(const RayStream& rays) {
@@ -102,11 +126,11 @@ inline void IntersectStream(EmbreeQuery& query, const RayStream& rays, const Hit
   batch.hit.u = hits.u, batch.hit.v = hits.v;
   batch.hit.primID = hits.triangle, batch.hit.geomID = hits.geom;
   batch.hit.instID[0] = instances;
-  rtcIntersectNp(query.scene, &query.context, &batch, n);
+  rtcIntersectNp(query.scene, query.current, &batch, n);
 }
 inline void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n) {
   RTCRayNp ray = StreamOf(rays);
-  rtcOccludedNp(query.scene, &query.context, &ray, n);
+  rtcOccludedNp(query.scene, query.current, &ray, n);
 }
 
 #endif

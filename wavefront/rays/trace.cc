@@ -18,6 +18,12 @@ RayStream View(const RayColumns& r, const std::uint32_t* keys) {
   return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far, keys};
 }
 
+RayStream ShadowStream(const SurfaceColumns& surfaces, const LightColumns& lights,
+                       const std::uint32_t* keys) {
+  return {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
+          lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
+}
+
 // Returns the rays from row `begin` on.
 RayStream From(const RayStream& rays, std::uint32_t begin) {
   return {rays.org_x + begin, rays.org_y + begin,
@@ -121,12 +127,17 @@ RTCRayHit SingleRayHit(const RayStream& rays, std::uint32_t i) {
   return hit;
 }
 
+// Returns the row of the world or of an instance in the tables of places and of instances.
+std::uint32_t InstanceRow(std::uint32_t instance) {
+  return instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - kFirstInstance + 1;
+}
+
 // Gives a hit of Embree the meaning that it has in HitColumns: one numbering of the triangles of
 // the world and of all objects, the instance, and the normal in the world.
 void PlaceHit(const Tracer& tracer, std::uint32_t instance, std::uint32_t& triangle,
               std::uint32_t& geom, float& ng_x, float& ng_y, float& ng_z) {
   if (geom == kNoHit) return;
-  const std::uint32_t row = instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - kFirstInstance + 1;
+  const std::uint32_t row = InstanceRow(instance);
   triangle += tracer.places->first[row].of_geometry[geom];
   geom = row;
   const float* const m = tracer.instances[row].normal;
@@ -165,14 +176,6 @@ void IntersectInstancedStream(const Tracer& tracer, EmbreeQuery& query, const Ra
   }
 }
 
-void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream& rays,
-            std::uint32_t n) {
-  if (recorder == nullptr) return;
-  const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
-  const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
-  recorder->Record(kind, occlusion, org, dir, rays.t_far, n, rays.keys);
-}
-
 // Makes one numbering of the triangles of both geometries.
 void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -180,6 +183,87 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std
     hits.triangle[i] += first_with_alpha;
     hits.geom[i] = 0;
   }
+}
+
+// ---- What the camera does not see ----
+
+// What the filter of a camera ray needs besides the hit.
+struct CameraQuery : EmbreeContext {
+  const Tracer* tracer;
+  float along;  // 1: rays come from the camera; -1: they go to it
+};
+
+// Embree calls this for hits of camera rays, in the space of the triangle.
+void DropHiddenSides(const RTCFilterFunctionNArguments* arguments) {
+  const auto& query = *static_cast<const CameraQuery*>(arguments->context);
+  const Tracer& tracer = *query.tracer;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    RTCHitN* const hit = arguments->hit;
+    RTCRayN* const ray = arguments->ray;
+    const std::uint32_t geometry = RTCHitN_geomID(hit, n, i);
+    std::uint32_t triangle = RTCHitN_primID(hit, n, i);
+    if (tracer.places != nullptr) {
+      triangle +=
+          tracer.places->first[InstanceRow(RTCHitN_instID(hit, n, i, 0))].of_geometry[geometry];
+    } else if (geometry == 1) {
+      triangle += *tracer.first_with_alpha;
+    }
+    const float towards = RTCHitN_Ng_x(hit, n, i) * RTCRayN_dir_x(ray, n, i) +
+                          RTCHitN_Ng_y(hit, n, i) * RTCRayN_dir_y(ray, n, i) +
+                          RTCHitN_Ng_z(hit, n, i) * RTCRayN_dir_z(ray, n, i);
+    const bool normal_side = towards * query.along < 0;
+    if (IsHiddenSide(tracer.one_sided[triangle].tag, normal_side)) arguments->valid[i] = 0;
+  }
+}
+
+struct SeeingQuery {
+  SeeingQuery(const Tracer& tracer, float along) : query(tracer.scene, /*coherent=*/false) {
+    query.FilterBy(DropHiddenSides, context);
+    context.tracer = &tracer, context.along = along;
+  }
+  EmbreeQuery query;
+  CameraQuery context;
+};
+
+// Traces camera rays anew that have hit what the camera does not see. Coplanar triangles, one for
+// each side, need the whole ray: none of them is beyond the other.
+void PassHiddenSides(const Tracer& tracer, const RayStream& rays, const RayColumns& columns,
+                     const HitColumns& hits, std::uint32_t n) {
+  SeeingQuery seeing(tracer, 1);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (hits.geom[i] == kNoHit) continue;
+    const float towards =
+        hits.ng_x[i] * rays.dir_x[i] + hits.ng_y[i] * rays.dir_y[i] + hits.ng_z[i] * rays.dir_z[i];
+    if (!IsHiddenSide(tracer.one_sided[hits.triangle[i]].tag, towards < 0)) continue;
+    columns.t_far[i] = std::numeric_limits<float>::infinity();
+    RTCRayHit hit = SingleRayHit(rays, i);
+    Intersect1(seeing.query, hit);
+    StoreHit(tracer, hit, i, columns, hits);
+    if (tracer.places == nullptr && hits.geom[i] == 1) {
+      NumberTriangles(Slice(hits, i), *tracer.first_with_alpha, 1);
+    }
+  }
+}
+
+// Sets t_far of occluded rays [0, n) negative, as Occlude does.
+void OccludeSeen(const Tracer& tracer, float along, const RayStream& rays, std::uint32_t n) {
+  SeeingQuery seeing(tracer, along);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (rays.t_far[i] < 0) continue;
+    RTCRay ray = SingleRay(rays, i);
+    Occluded1(seeing.query, ray);
+    rays.t_far[i] = ray.tfar;
+  }
+}
+
+void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream& rays,
+            std::uint32_t n) {
+  if (recorder == nullptr) return;
+  const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
+  const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
+  recorder->Record(kind, occlusion, org, dir, rays.t_far, n, rays.keys);
 }
 
 }  // namespace
@@ -237,14 +321,24 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
   if (tracer.first_with_alpha && tracer.places == nullptr) {
     NumberTriangles(hits, *tracer.first_with_alpha, n);
   }
+  if (kind == RayKind::kCamera && tracer.one_sided != nullptr) {
+    PassHiddenSides(tracer, view, rays, hits, n);
+  }
 }
 
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys) {
-  const RayStream view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
-                          lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
+  const RayStream view = ShadowStream(surfaces, lights, keys);
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
+}
+
+void TraceToCamera(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
+                   const LightColumns& lights, const std::uint32_t* keys) {
+  if (tracer.one_sided == nullptr) return TraceShadows(tracer, surfaces, n, lights, keys);
+  const RayStream view = ShadowStream(surfaces, lights, keys);
+  Record(tracer.recorder, RayKind::kShadow, true, view, n);
+  OccludeSeen(tracer, -1, view, n);
 }
 
 void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
@@ -255,7 +349,11 @@ void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t 
 void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
   Record(tracer.recorder, kind, true, View(rays, keys), n);
-  TraceOcclusion(tracer, rays, n, keys);
+  if (kind == RayKind::kCamera && tracer.one_sided != nullptr) {
+    OccludeSeen(tracer, 1, View(rays, keys), n);
+  } else {
+    TraceOcclusion(tracer, rays, n, keys);
+  }
   for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
 }
 

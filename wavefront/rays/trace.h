@@ -61,13 +61,15 @@ struct Tracer {
   // Both are null in scenes without instances.
   const TrianglePlaces* places = nullptr;
   const InstanceRecord* instances = nullptr;
+  // The records of all triangles; null: the camera sees both sides of all of them.
+  const TriangleRecord* one_sided = nullptr;
 };
 
 // In scenes with alpha `keys` decides, ray by ray, which triangles stop it (DrawRayKeys); else it
 // is null.
 
 // Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`. Camera rays are
-// whole beams.
+// whole beams, and pass through what the camera does not see (kOneSidedTriangle).
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
@@ -75,6 +77,10 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
 // t_far of occluded rays negative; rows whose t_far is negative already are not traced.
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys = nullptr);
+
+// The same for connections to the camera, which pass through what the camera does not see.
+void TraceToCamera(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
+                   const LightColumns& lights, const std::uint32_t* keys = nullptr);
 
 // Traces rays [0, n) for which any hit is enough: sets t_far of occluded ones negative. They are
 // not recorded.

@@ -28,7 +28,7 @@ void SpreadDirections(const RayColumns& rays, std::uint32_t n,
 // Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
 // and adds what arrives.
 void TraceAndAdd(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock) {
-  TraceLights(frame, keys, w, clock);
+  TraceLights(frame, ShadowTarget::kLight, keys, w, clock);
   AddUnoccludedRadiance(w.lights, w.surfaces->path, w.ranges.light_sampled(), w.paths);
   clock.Lap(Stage::kAccumulate);
 }

@@ -36,6 +36,19 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
   });
 }
 
+// Closes the connections of surfaces [0, n) whose side towards the camera it does not see.
+void CloseHiddenSides(const TriangleRecord* triangles, const SurfaceColumns& surfaces,
+                      std::uint32_t n, const LightColumns& lights) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const float towards = surfaces.ng_x[i] * lights.dir_x[i] + surfaces.ng_y[i] * lights.dir_y[i] +
+                          surfaces.ng_z[i] * lights.dir_z[i];
+    const bool back = (surfaces.material[i] & kBackFace) != 0;
+    if (IsHiddenSide(triangles[surfaces.triangle[i]].tag, (towards > 0) != back)) {
+      lights.t_far[i] = -1;
+    }
+  }
+}
+
 // Guides the rays that come from infinitely far away. Where their directions were not drawn by the
 // strategy, it is asked how it would have drawn them.
 void GuideDistantRays(const FrameView& frame, const LightShares& shares, const AimUniforms& aim,
@@ -132,6 +145,9 @@ void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, St
   ChoosePixels(frame.camera, frame.filter, pixel, n, w.lights, cameras);
   EvaluateConnections(frame, w);
   WeighConnections(w.surfaces, w.of<LightPathTables>().values, cameras, n, w.lights);
+  if (frame.tracer.one_sided != nullptr) {
+    CloseHiddenSides(frame.tracer.one_sided, w.surfaces, n, w.lights);
+  }
   clock.Lap(Stage::kEvaluate);
 }
 
@@ -141,7 +157,7 @@ void SplatConnections(const FrameView& frame, std::uint32_t bounce, Worker& w, F
   if (n == 0) return;
   const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n,
                                    LightPair(bounce, SampleUse::kLight), w.scratch);
-  TraceLights(frame, keys, w, clock);
+  TraceLights(frame, ShadowTarget::kCamera, keys, w, clock);
   film.AddSplats(w.lights, w.of<LightPathTables>().cameras->pixel, n,
                  float(1 / double(frame.light_paths())), w.stats);
   clock.Lap(Stage::kFilm);

@@ -226,13 +226,15 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
   SeeLights(frame, rays, queues, n, escaped, bounce, from, w, clock);
 }
 
-void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock) {
+void TraceLights(const FrameView& frame, ShadowTarget target, const RayKeys& keys, Worker& w,
+                 StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   const std::uint32_t open = CountOpen(w.lights, n);
   w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
   CheckShadowRays(w.lights, n);
   clock.Lap(Stage::kEvaluate);
-  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys->key);
+  const auto trace = target == ShadowTarget::kCamera ? TraceToCamera : TraceShadows;
+  trace(frame.tracer, w.surfaces, n, w.lights, keys->key);
   clock.Lap(Stage::kShadow, RayKind::kShadow);
   CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
 }
@@ -258,7 +260,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     if (reach.limited() && frame.local_lights.has_alpha) {
       CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);
     }
-    TraceLights(frame, keys, w, clock);
+    TraceLights(frame, ShadowTarget::kLight, keys, w, clock);
     if (frame.find<ControlView>() != nullptr) {
       SubtractControl(ControlsOf(frame, w).out, w.surfaces->path, n, w.paths);
       KeepGroups(frame, w.surfaces->path, n, w,

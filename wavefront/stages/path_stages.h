@@ -92,9 +92,13 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
                std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
                Worker& w, StageClock& clock);
 
-// Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows does,
-// and counts them. Time on the clock before this call was that of evaluation.
-void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock);
+// Where the rays of w.lights lead. The camera does not see all sides of all triangles.
+enum class ShadowTarget { kLight, kCamera };
+
+// Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows or
+// TraceToCamera does, and counts them. Time on the clock before this call was that of evaluation.
+void TraceLights(const FrameView& frame, ShadowTarget target, const RayKeys& keys, Worker& w,
+                 StageClock& clock);
 
 // Draws, evaluates, traces and adds the light samples of every surface, one after the other.
 // Directional lights come light by light, so that a stream of shadow rays has one direction. The

@@ -63,7 +63,8 @@ void AddVirtualLights(const FrameView& frame, std::uint32_t bounce, Worker& w, S
     JoinVertices(s, t.light.at, n, {.mis = {.enabled = false}}, t.light.view(), t.partner->index,
                  ends, w.lights);
     BoundGains(set, n, w.lights);
-    TraceLights(frame, MakeRayKeys(frame, w.paths, s.path, n, event, w.scratch), w, clock);
+    TraceLights(frame, ShadowTarget::kLight,
+                MakeRayKeys(frame, w.paths, s.path, n, event, w.scratch), w, clock);
     AddUnoccludedRadiance(w.lights, s.path, n, w.paths);
     clock.Lap(Stage::kAccumulate);
   }
