@@ -133,7 +133,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
     option({.name = "full-scale", .help = "error shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
     option({.name = "pixels-per-degree", .help = "pixels of the screen in one degree of the view, for FLIP"}, FIELD(pixels_per_degree), Doubles(1, 1000)),
     option({.name = "json", .help = "write the measures as JSON"}, FIELD(json), Texts("JSON")),
-    option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
+    option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
   };
   // clang-format on
 }

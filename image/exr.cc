@@ -1,50 +1,17 @@
-// Reads OpenEXR pictures. Only this file and exr_writer.cc use the OpenEXR library: exr_header.h
-// first checks a header, then exr_scan_lines.h or, for rarer files, the library decodes the very
-// same bytes from memory.
-
-#include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfIO.h>
-#include <ImfInputFile.h>
-#include <ImfInputPart.h>
-#include <ImfMultiPartInputFile.h>
-#include <ImfPartType.h>
+// Reads OpenEXR pictures: exr_header.h first checks the headers, then exr_scan_lines.h or, for
+// rarer files, exr_library.h decodes the very same bytes from memory.
 
 #include <algorithm>
-#include <cstring>
-#include <exception>
 #include <optional>
-#include <stdexcept>
 
 #include "base/files.h"
 #include "image/exr_header.h"
+#include "image/exr_library.h"
 #include "image/exr_scan_lines.h"
 #include "image/formats.h"
 
 namespace skywave {
 namespace {
-
-class MemoryInput : public Imf::IStream {
- public:
-  MemoryInput(const std::string& path, std::string_view bytes)
-      : Imf::IStream(path.c_str()), bytes_(bytes) {}
-
-  bool read(char destination[], int count) override {
-    if (count < 0 || position_ > bytes_.size() || bytes_.size() - position_ < std::size_t(count)) {
-      throw std::runtime_error("the file ends too early");
-    }
-    std::memcpy(destination, bytes_.data() + position_, std::size_t(count));
-    position_ += std::size_t(count);
-    return position_ < bytes_.size();
-  }
-  std::uint64_t tellg() override { return position_; }
-  void seekg(std::uint64_t position) override { position_ = position; }
-
- private:
-  std::string_view bytes_;
-  std::uint64_t position_ = 0;
-};
 
 // The channels of a picture: red, green and blue; or one for all three; or luminance (Y) and what
 // red and blue have above it (RY, BY), each over it.
@@ -54,8 +21,8 @@ struct PictureChannels {
 };
 
 // Finds the picture among the channels of a file: R, G, B, also in small letters; or Y, alone or
-// with RY and BY; or R alone; or, in the files of programs that name all their layers, the only one
-// of them that has a colour, or the one that Blender calls Combined.
+// with RY and BY; or R without G and B; or, in the files of programs that name all their layers,
+// the only one of them that has a colour, or the one that Blender calls Combined.
 std::optional<PictureChannels> FindPicture(const std::vector<ExrChannel>& channels) {
   const auto has = [&](const std::string& name) {
     return std::any_of(channels.begin(), channels.end(),
@@ -89,17 +56,11 @@ std::optional<PictureChannels> FindPicture(const std::vector<ExrChannel>& channe
 }
 
 PictureChannels ChooseChannels(const std::string& path, const std::vector<ExrChannel>& channels) {
-  const InputPosition position = InputPosition::File(path);
-  std::string names;
-  for (const ExrChannel& channel : channels) {
-    if (channel.sub_sampled) {
-      throw InputError(position,
-                       "EXR channel " + channel.name + " is sub-sampled, which is not supported");
-    }
-    names += (names.empty() ? "" : ", ") + channel.name;
-  }
   if (auto found = FindPicture(channels)) return *std::move(found);
-  throw InputError(position,
+  if (channels.size() == 1) return {{channels[0].name}};  // a depth or a height, say
+  std::string names;
+  for (const ExrChannel& channel : channels) names += (names.empty() ? "" : ", ") + channel.name;
+  throw InputError(InputPosition::File(path),
                    "an EXR needs channels R, G, B or Y, or one layer that has them; this "
                    "one has " +
                        names);
@@ -181,145 +142,83 @@ void RequireLayers(const std::string& path, const std::vector<std::string>& want
   }
 }
 
-ExrBox BoxOf(const Imath::Box2i& window) {
-  return {window.min.x, window.min.y, window.max.x, window.max.y};
+// Returns the header of the first flat part that has a picture, or else of the first part.
+ExrHeader HeaderOfPicture(const std::string& path, std::string_view bytes,
+                          const ReadLimits& limits) {
+  std::vector<ExrHeader> parts = ParseExrHeaders(path, bytes, limits);
+  auto chosen = std::find_if(parts.begin(), parts.end(), [](const ExrHeader& part) {
+    return !part.deep && FindPicture(part.channels);
+  });
+  if (chosen == parts.end()) chosen = parts.begin();
+  CheckSize(InputPosition::File(path), chosen->data_window.width(), chosen->data_window.height(),
+            limits);
+  return std::move(*chosen);
 }
 
-// Files of rarer kinds, which the OpenEXR library decodes.
-class Library {
- public:
-  // Of a file of several parts, takes the first one that has a picture, and its channels and
-  // windows for those of `header`.
-  Library(const std::string& path, std::string_view bytes, const ReadLimits& limits,
-          ExrHeader& header)
-      : path_(path), stream_(path, bytes) {
-    Try([&] {
-      if (header.multi_part) {
-        parts_.emplace(stream_, kNoExrThreads);
-        ChoosePart(limits, header);
-      } else {
-        file_.emplace(stream_, kNoExrThreads);
-      }
-    });
-  }
+// Throws if the file is too small for its pixels: such files must not take much memory.
+void RequireBytes(const std::string& path, std::string_view bytes, const ExrHeader& header) {
+  constexpr std::int64_t kMostPixelsOfByte = 4096;
+  const std::int64_t pixels = header.data_window.width() * header.data_window.height();
+  if (pixels / kMostPixelsOfByte <= std::int64_t(bytes.size())) return;
+  throw InputError(InputPosition::File(path),
+                   "the file is too small for its " + std::to_string(header.data_window.width()) +
+                       " x " + std::to_string(header.data_window.height()) + " pixels");
+}
 
-  LayeredImage Decode(const ExrBox& box, const std::vector<std::string>& names,
-                      const std::vector<std::string>& layers) {
-    LayeredImage picture = {Image(int(box.width()), int(box.height())), {}};
-    Try([&] {
-      if (parts_) {
-        Imf::InputPart part(*parts_, part_);
-        Read(part, box, names, layers, picture);
-      } else {
-        Read(*file_, box, names, layers, picture);
-      }
-    });
-    return picture;
-  }
-
- private:
-  template <class F>
-  void Try(const F& f) {
-    try {
-      f();
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw InputError(InputPosition::Byte(path_, stream_.tellg()),
-                       std::string("cannot be decoded as OpenEXR: ") + error.what());
-    }
-  }
-
-  void ChoosePart(const ReadLimits& limits, ExrHeader& header) {
-    for (int part = 0; part < parts_->parts(); ++part) {
-      const Imf::Header& of_part = parts_->header(part);
-      if (of_part.hasType() && Imf::isDeepData(of_part.type())) continue;
-      std::vector<ExrChannel> channels;
-      const Imf::ChannelList& list = of_part.channels();
-      for (auto it = list.begin(); it != list.end(); ++it) {
-        const Imf::Channel& channel = it.channel();
-        channels.push_back({.name = it.name(),
-                            .bytes = channel.type == Imf::HALF ? 2 : 4,
-                            .sub_sampled = channel.xSampling != 1 || channel.ySampling != 1,
-                            .is_whole = channel.type == Imf::UINT});
-      }
-      if (!FindPicture(channels)) continue;
-      part_ = part;
-      header.channels = std::move(channels);
-      header.data_window = BoxOf(of_part.dataWindow());
-      header.display_window = BoxOf(of_part.displayWindow());
-      CheckSize(InputPosition::File(path_), header.data_window.width(), header.data_window.height(),
-                limits);
-      return;
-    }
-  }
-
-  // `source` is a file or a part of one.
-  template <class Source>
-  static void Read(Source& source, const ExrBox& box, const std::vector<std::string>& names,
-                   const std::vector<std::string>& layers, LayeredImage& picture) {
-    const Imath::Box2i window({box.x_min, box.y_min}, {box.x_max, box.y_max});
-    if (source.header().dataWindow() != window) {
-      throw std::runtime_error("two different data windows");
-    }
-    Image& image = picture.image;
-    constexpr std::size_t kPixelStride = 3 * sizeof(float);
-    Imf::FrameBuffer frame;
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &image.rgb[c], window, kPixelStride));
-    }
-    picture.layers.reserve(layers.size());
-    for (const std::string& name : layers) {
-      picture.layers.push_back({.name = name, .values = {}});
-      NamedChannel& layer = picture.layers.back();
-      ResizeLarge(layer.values, image.rgb.size() / 3);
-      frame.insert(name, Imf::Slice::Make(Imf::FLOAT, layer.values.data(), window));
-    }
-    source.setFrameBuffer(frame);
-    source.readPixels(window.min.y, window.max.y);
-    if (names.size() == 1) SpreadGrey(image);
-  }
-
-  const std::string& path_;
-  MemoryInput stream_;
-  std::optional<Imf::InputFile> file_;  // or
-  std::optional<Imf::MultiPartInputFile> parts_;
-  int part_ = 0;
-};
+// Returns whether some channels of those names have fewer samples than there are pixels.
+bool AreSubSampled(const std::vector<ExrChannel>& channels, const std::vector<std::string>& names) {
+  return std::any_of(channels.begin(), channels.end(), [&](const ExrChannel& channel) {
+    return channel.sub_sampled &&
+           std::find(names.begin(), names.end(), channel.name) != names.end();
+  });
+}
 
 }  // namespace
 
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
                                        const ReadLimits& limits) {
-  const ExrHeader header = ParseExrHeader(path, bytes, limits);
+  const ExrHeader header = HeaderOfPicture(path, bytes, limits);
   return LayersBeside(ChooseChannels(path, header.channels).names, header);
 }
 
 LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
                        const std::vector<std::string>& layers) {
-  ExrHeader header = ParseExrHeader(path, bytes, limits);
-  std::optional<Library> library;
-  if (header.multi_part) library.emplace(path, bytes, limits, header);
+  const ExrHeader header = HeaderOfPicture(path, bytes, limits);
   const PictureChannels chosen = ChooseChannels(path, header.channels);
   const std::vector<std::string>& names = chosen.names;
   RequireLayers(path, layers, LayersBeside(names, header));
+  const bool few_samples = std::any_of(header.channels.begin(), header.channels.end(),
+                                       [](const ExrChannel& c) { return c.sub_sampled; });
+  const bool interpolate = chosen.by_luminance && AreSubSampled(header.channels, names);
+  if (AreSubSampled(header.channels, layers) ||
+      (!interpolate && AreSubSampled(header.channels, names)) ||
+      (interpolate && (header.multi_part || !layers.empty()))) {
+    throw InputError(InputPosition::File(path),
+                     "channels that are sub-sampled are read as RY and BY beside Y only, without "
+                     "other layers");
+  }
   LayeredImage picture;
-  if (ExrScanLines lines(header, names, layers); lines.can_decode()) {
+  if (ExrScanLines lines(header, names, layers); lines.can_decode() && !few_samples) {
     CheckExrChunks(path, bytes, header, [&](auto... chunk) { return lines.Take(chunk...); });
     picture = lines.Picture();
   } else {
-    if (!header.deep && !header.multi_part) CheckExrChunks(path, bytes, header);
-    if (!library) library.emplace(path, bytes, limits, header);
-    picture = library->Decode(header.data_window, names, layers);
+    if (header.deep || few_samples) {
+      RequireBytes(path, bytes, header);
+    } else {
+      CheckExrChunks(path, bytes, header);
+    }
+    picture = DecodeByLibrary(path, bytes, limits, header, {names, layers, interpolate});
   }
-  if (chosen.by_luminance) ColorsOfLuminance(header.primaries.value_or(kRec709), picture.image);
+  if (chosen.by_luminance && !interpolate) {
+    ColorsOfLuminance(header.primaries.value_or(kRec709), picture.image);
+  }
   if (header.primaries) ConvertToRec709(*header.primaries, picture.image);
   PlaceInWindow(path, header, limits, picture);
   return picture;
 }
 
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits) {
-  return ParseExrHeader(path, ReadFile(path), limits).strings;
+  return ParseExrHeaders(path, ReadFile(path), limits).front().strings;
 }
 
 }  // namespace skywave

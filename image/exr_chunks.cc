@@ -39,6 +39,10 @@ class ChunkChecker {
 
   // Throws unless the table has room for `count` chunks; called before walking through them.
   void CheckTable(std::int64_t count) {
+    if (header_.multi_part && count != header_.chunk_count) {
+      table_.Fail("a part of " + std::to_string(count) + " chunks says that it has " +
+                  std::to_string(header_.chunk_count));
+    }
     table_end_ = table_.offset() + std::size_t(count) * 8;
     if (table_.left() / 8 < std::size_t(count)) {
       table_.Fail("the file ends within the chunk table");
@@ -52,6 +56,9 @@ class ChunkChecker {
       table_.Fail("a chunk lies outside of the file, which may be cut short");
     }
     ByteCursor chunk(path_, bytes_, offset);
+    if (header_.multi_part && chunk.I32("a chunk") != header_.part) {
+      chunk.Fail("a chunk of another part");
+    }
     for (const std::int64_t number : place) {
       if (chunk.I32("a chunk") != number) chunk.Fail("a chunk that belongs somewhere else");
     }

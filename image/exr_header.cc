@@ -26,6 +26,7 @@ constexpr std::size_t kMaxLongName = 255;
 constexpr std::size_t kMaxHeaderBytes = std::size_t{16} << 20;
 constexpr int kMaxAttributes = 1024;
 constexpr std::size_t kMaxChannels = 1024;
+constexpr std::size_t kMaxParts = 1024;
 // Windows farther out occur only in damaged files, and their arithmetic would overflow in the
 // library.
 constexpr std::int32_t kMaxCoordinate = 1 << 28;
@@ -76,20 +77,54 @@ const std::map<std::string_view, std::size_t>& FixedSizes() {
   return kSizes;
 }
 
-const char* Name(ExrCompression compression) {
-  constexpr const char* kNames[] = {"NONE",  "RLE", "ZIPS", "ZIP",  "PIZ",
-                                    "PXR24", "B44", "B44A", "DWAA", "DWAB"};
-  return kNames[int(compression)];
-}
-
-// Reads one header; the members are shared by all steps.
+// Reads the headers of a file, one after the other; the members are shared by all steps.
 class HeaderParser {
  public:
   HeaderParser(const std::string& path, std::string_view bytes, const ReadLimits& limits)
       : path_(path), bytes_(bytes), limits_(limits), cursor_(path, bytes) {}
 
-  ExrHeader Parse() {
+  std::vector<ExrHeader> Parse() {
     ParseVersion();
+    if (!version_.multi_part) return {ParsePart()};
+    std::vector<ExrHeader> parts;
+    while (!AtEndOfHeaders()) {
+      if (parts.size() == kMaxParts) cursor_.Fail("too many parts");
+      parts.push_back(ParsePart());
+      parts.back().part = int(parts.size()) - 1;
+    }
+    if (parts.empty()) cursor_.Fail("an EXR without parts");
+    std::size_t table = cursor_.offset();
+    for (ExrHeader& part : parts) {
+      part.end = table;
+      table += 8 * std::size_t(part.chunk_count);
+    }
+    if (table > bytes_.size()) cursor_.Fail("the file ends within the chunk tables");
+    return parts;
+  }
+
+ private:
+  void ParseVersion() {
+    if (cursor_.U32("the EXR magic number") != kMagic) cursor_.Fail("is no OpenEXR file");
+    const std::uint32_t version = cursor_.U32("the EXR version");
+    if ((version & kVersionMask) != kVersion || (version & ~kKnownFlags) != 0) {
+      cursor_.Fail("an EXR version or feature that is not supported");
+    }
+    version_.tiled = version & kTiledFlag;
+    version_.deep = version & kDeepFlag;
+    version_.multi_part = version & kMultiPartFlag;
+    max_name_ = version & kLongNamesFlag ? kMaxLongName : kMaxShortName;
+  }
+
+  bool AtEndOfHeaders() {
+    const std::size_t at = cursor_.offset();
+    if (at < bytes_.size() && bytes_[at] != 0) return false;
+    cursor_.Take(1, "the end of the headers");
+    return true;
+  }
+
+  ExrHeader ParsePart() {
+    header_ = version_;
+    names_.clear();
     while (true) {
       Attribute attribute;
       attribute.name = cursor_.TakeUntil('\0', max_name_, "an attribute name");
@@ -114,28 +149,6 @@ class HeaderParser {
     return std::move(header_);
   }
 
- private:
-  void ParseVersion() {
-    if (cursor_.U32("the EXR magic number") != kMagic) cursor_.Fail("is no OpenEXR file");
-    const std::uint32_t version = cursor_.U32("the EXR version");
-    if ((version & kVersionMask) != kVersion || (version & ~kKnownFlags) != 0) {
-      cursor_.Fail("an EXR version or feature that is not supported");
-    }
-    header_.tiled = version & kTiledFlag;
-    header_.deep = version & kDeepFlag;
-    header_.multi_part = version & kMultiPartFlag;
-    max_name_ = version & kLongNamesFlag ? kMaxLongName : kMaxShortName;
-    if (header_.deep) RefuseUnlessTrusted("deep EXR");
-    if (header_.multi_part) RefuseUnlessTrusted("multi-part EXR");
-  }
-
-  void RefuseUnlessTrusted(const std::string& what) {
-    if (limits_.trust_input) return;
-    cursor_.Fail(what +
-                 " is refused, as OpenEXR 3.1.5 has known holes in reading it; use "
-                 "--trust-input if you know where the file comes from");
-  }
-
   void ParseAttribute(const Attribute& attribute) {
     const auto fail = [&](const char* reason) {
       throw InputError(InputPosition::Byte(path_, attribute.offset),
@@ -156,20 +169,30 @@ class HeaderParser {
       ParseCompression(value);
     } else if (attribute.name == "dataWindow") {
       header_.data_window = ParseBox(value);
-      CheckSize(InputPosition::Byte(path_, attribute.offset), header_.data_window.width(),
-                header_.data_window.height(), limits_);
+      if (!header_.multi_part) {
+        CheckSize(InputPosition::Byte(path_, attribute.offset), header_.data_window.width(),
+                  header_.data_window.height(), limits_);
+      }
     } else if (attribute.name == "displayWindow") {
       const ExrBox box = header_.display_window = ParseBox(value);
       if (box.width() < 1 || box.height() < 1) fail(" is empty");
     } else if (attribute.name == "chromaticities" && attribute.type == "chromaticities") {
       ParsePrimaries(value);
+    } else if (attribute.name == "chunkCount" && attribute.type == "int") {
+      header_.chunk_count = value.I32("the number of chunks");
+      if (header_.chunk_count < 0) fail(" is negative");
     } else if (attribute.name == "lineOrder") {
       if (value.U8("the line order") > 2) fail(" is unknown");
     } else if (attribute.name == "tiles") {
       if (attribute.type != "tiledesc") fail(" has the wrong type");
       ParseTiles(value);
     } else if (attribute.type == "string") {
-      header_.strings.emplace_back(attribute.name, value.Take(attribute.size, "a string"));
+      const std::string_view text = value.Take(attribute.size, "a string");
+      header_.strings.emplace_back(attribute.name, text);
+      if (attribute.name == "type" && header_.multi_part) {
+        header_.deep = text.starts_with("deep");
+        header_.tiled = text == "tiledimage" || text == "deeptile";
+      }
     } else if (attribute.type == "stringvector") {
       while (value.left() > 0) value.Take(value.U32("a string length"), "a string");
     } else if (attribute.type == "floatvector") {
@@ -181,7 +204,7 @@ class HeaderParser {
         fail(" has the wrong size");
       }
     } else if (attribute.type == "idmanifest") {
-      RefuseUnlessTrusted("an EXR with an ID manifest");
+      header_.has_manifest = true;
     }
   }
 
@@ -215,9 +238,6 @@ class HeaderParser {
                  " (10 and 11 are HTJ2K), which is not supported; write the file with zip");
     }
     header_.compression = ExrCompression(code);
-    if (header_.compression > ExrCompression::kPiz) {
-      RefuseUnlessTrusted(std::string("EXR compression ") + Name(header_.compression));
-    }
   }
 
   void ParsePrimaries(ByteCursor& value) {
@@ -260,6 +280,7 @@ class HeaderParser {
   const ReadLimits& limits_;
   ByteCursor cursor_;
   std::size_t max_name_ = kMaxShortName;
+  ExrHeader version_;  // what the file says of all of its parts
   std::set<std::string, std::less<>> names_;
   ExrHeader header_;
 };
@@ -272,8 +293,14 @@ std::int64_t ExrHeader::pixel_bytes() const {
   return total;
 }
 
-ExrHeader ParseExrHeader(const std::string& path, std::string_view bytes,
-                         const ReadLimits& limits) {
+bool ExrHeader::risky() const {
+  const bool few_samples = std::any_of(channels.begin(), channels.end(),
+                                       [](const ExrChannel& c) { return c.sub_sampled; });
+  return deep || multi_part || has_manifest || few_samples || compression > ExrCompression::kPiz;
+}
+
+std::vector<ExrHeader> ParseExrHeaders(const std::string& path, std::string_view bytes,
+                                       const ReadLimits& limits) {
   return HeaderParser(path, bytes, limits).Parse();
 }
 

@@ -46,20 +46,27 @@ struct ExrHeader {
   bool tiled = false;
   bool deep = false;
   bool multi_part = false;
+  int part = 0;                  // of a file of several parts
+  std::int64_t chunk_count = 0;  // likewise; otherwise it follows from the windows
+  bool has_manifest = false;     // of object numbers
   ExrCompression compression = ExrCompression::kNone;
   ExrBox data_window, display_window;
   ExrTiles tiles;
   std::vector<ExrChannel> channels;
   std::optional<RgbPrimaries> primaries;  // of R, G and B, if the file says so
   Metadata strings;                       // attributes of type string
-  std::size_t end = 0;  // [bytes] offset after the header, where the chunk table begins
+  std::size_t end = 0;                    // [bytes] offset of the chunk table, after all headers
 
   std::int64_t pixel_bytes() const;  // sum over all channels
+  // Returns whether OpenEXR 3.1.5 has known holes in decoding such files, or whether what it does
+  // with them was not checked before.
+  bool risky() const;
 };
 
-// Returns the header of an EXR file (for a multi-part file, its first header), with sizes and
-// compression checked against `limits`. Throws InputError with the byte offset.
-ExrHeader ParseExrHeader(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+// Returns the headers of the parts of an EXR file, of which most have one. In a file of one part
+// sizes are checked against `limits`. Throws InputError with the byte offset.
+std::vector<ExrHeader> ParseExrHeaders(const std::string& path, std::string_view bytes,
+                                       const ReadLimits& limits);
 
 // Returns how many rows of a file of scan lines are compressed together.
 std::int64_t RowsPerChunk(ExrCompression compression);
@@ -69,9 +76,9 @@ std::int64_t RowsPerChunk(ExrCompression compression);
 using ExrChunkTaker =
     std::function<bool(std::int64_t first, std::string_view stored, std::int64_t decoded_bytes)>;
 
-// Throws InputError unless a flat, single-part file contains all chunks, each at its proper
-// position and with its proper size. Then each is given to `take`, if there is one, by several
-// threads and in any order.
+// Throws InputError unless a flat file, or a flat part of one, contains all chunks, each at its
+// proper position and with its proper size. Then each is given to `take`, if there is one, by
+// several threads and in any order.
 void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header,
                     const ExrChunkTaker& take = {});
 

@@ -16,7 +16,6 @@ ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::strin
       width_(std::size_t(header.data_window.width())) {
   const ExrCompression compression = header.compression;
   can_decode_ = std::endian::native == std::endian::little && !header.tiled && !header.deep &&
-                !header.multi_part &&
                 (compression == ExrCompression::kNone || compression == ExrCompression::kZips ||
                  compression == ExrCompression::kZip);
   for (const ExrChannel& channel : header.channels) {

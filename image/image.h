@@ -34,8 +34,8 @@ struct ReadLimits {
   int max_width = 32768;
   int max_height = 32768;
   std::size_t max_pixels = std::size_t{1} << 28;
-  // Also decodes the parts in which Debian's OpenEXR 3.1.5 has known vulnerabilities (deep,
-  // multi-part, DWA, B44, PXR24).
+  // Kinds of EXR in which Debian's OpenEXR 3.1.5 has known vulnerabilities (deep, multi-part, DWA,
+  // B44, PXR24) are decoded in this process, and not in a confined one of their own.
   bool trust_input = false;
 };
 

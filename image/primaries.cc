@@ -2,53 +2,58 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace skywave {
 namespace {
 
-glm::dvec3 XyzOfChromaticity(const glm::dvec2& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
+glm::dvec3 XyzOfWhite(const glm::dvec2& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
 
+// The columns have any length.
 glm::dmat3 PrimariesAsXyz(const RgbPrimaries& p) {
-  return {XyzOfChromaticity(p.red), XyzOfChromaticity(p.green), XyzOfChromaticity(p.blue)};
+  const auto xyz = [](const glm::dvec2& c) { return glm::dvec3(c.x, c.y, 1 - c.x - c.y); };
+  return {xyz(p.red), xyz(p.green), xyz(p.blue)};
 }
+
+bool AreEqual(const RgbPrimaries& a, const RgbPrimaries& b) {
+  constexpr double kSame = 1e-3;
+  return glm::distance(a.red, b.red) < kSame && glm::distance(a.green, b.green) < kSame &&
+         glm::distance(a.blue, b.blue) < kSame && glm::distance(a.white, b.white) < kSame;
+}
+
+// Colours that are X, Y and Z themselves.
+constexpr RgbPrimaries kXyz = {{1, 0}, {0, 1}, {0, 0}, {1.0 / 3, 1.0 / 3}};
 
 }  // namespace
 
 bool IsRgbSpace(const RgbPrimaries& p) {
   for (const glm::dvec2& c : {p.red, p.green, p.blue, p.white}) {
-    if (!std::isfinite(c.x) || !std::isfinite(c.y) || c.y == 0) return false;
+    if (!std::isfinite(c.x) || !std::isfinite(c.y)) return false;
   }
   if (!(p.white.y > 0)) return false;
   const glm::dmat3 primaries = PrimariesAsXyz(p);
   if (!(std::abs(glm::determinant(primaries)) > 1e-9)) return false;
-  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(p.white);
+  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfWhite(p.white);
   return std::isfinite(gains.x + gains.y + gains.z);
 }
 
 glm::dmat3 XyzFromRgb(const RgbPrimaries& p) {
   const glm::dmat3 primaries = PrimariesAsXyz(p);
-  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(p.white);
+  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfWhite(p.white);
   return {primaries[0] * gains[0], primaries[1] * gains[1], primaries[2] * gains[2]};
 }
 
 glm::dmat3 AdaptToD65(const glm::dvec2& white) {
   const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
-  const glm::dvec3 gains =
-      cones * XyzOfChromaticity(kWhiteD65) / (cones * XyzOfChromaticity(white));
+  const glm::dvec3 gains = cones * XyzOfWhite(kWhiteD65) / (cones * XyzOfWhite(white));
   const glm::dmat3 scale(gains[0], 0, 0, 0, gains[1], 0, 0, 0, gains[2]);
   return glm::inverse(cones) * scale * cones;
 }
 
 void ConvertToRec709(const RgbPrimaries& p, Image& image) {
-  constexpr double kSame = 1e-3;
-  const double apart[] = {glm::distance(p.red, kRec709.red), glm::distance(p.green, kRec709.green),
-                          glm::distance(p.blue, kRec709.blue),
-                          glm::distance(p.white, kRec709.white)};
-  if (*std::max_element(std::begin(apart), std::end(apart)) < kSame) return;
-  ConvertColors(glm::inverse(XyzFromRgb(kRec709)) * AdaptToD65(p.white) * XyzFromRgb(p), image);
+  if (AreEqual(p, kRec709)) return;
+  const glm::dmat3 adapt = AreEqual(p, kXyz) ? glm::dmat3(1) : AdaptToD65(p.white);
+  ConvertColors(glm::inverse(XyzFromRgb(kRec709)) * adapt * XyzFromRgb(p), image);
 }
 
 void ConvertColors(const glm::dmat3& matrix, Image& image) {

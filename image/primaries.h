@@ -21,8 +21,9 @@ glm::dmat3 XyzFromRgb(const RgbPrimaries& primaries);
 // Returns the XYZ under D65 of what has some XYZ under another white (Bradford's method, Lam 1985).
 glm::dmat3 AdaptToD65(const glm::dvec2& white);
 
-// Converts a picture of such colours to linear Rec. 709, where its white stays white. Does nothing
-// if it is in that space already, to 0.001.
+// Converts a picture of such colours to linear Rec. 709, where its white stays white; but numbers
+// that are X, Y and Z themselves keep their chromaticities. Does nothing if it is in that space
+// already, to 0.001.
 void ConvertToRec709(const RgbPrimaries& primaries, Image& image);
 // Applies a matrix to every pixel.
 void ConvertColors(const glm::dmat3& matrix, Image& image);

@@ -259,7 +259,7 @@ std::vector<JobOption> ReadingRows() {
           FIELD(read.variant), Texts("the name of a variant")),
     Plain({.name = "gltf-scene", .group = kReading, .help = "scene of a glTF file that has several, by its name or its number from 0 on (skywave info lists them)", .scope = kPixels, .example = "moving.gltf --gltf-scene other", .default_text = "the file's", .metavar = "NAME", .of_reading = true},
           FIELD(read.scene), Texts("the name or the number of a scene")),
-    Plain({.name = "trust-input", .group = kReading, .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = kInput, .changes = Tables::kMap | Tables::kSceneLights, .example = "--trust-input"},
+    Plain({.name = "trust-input", .group = kReading, .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = kInput, .changes = Tables::kMap | Tables::kSceneLights, .example = "--trust-input"},
           FIELD(environment.limits.trust_input), Switches()),
 
     Plain({.name = "wave", .group = kSpeedGroup, .help = "rows of a wave, rounded up to whole beams of 8", .scope = kSpeed, .example = "--wave 64", .in_suite = true},

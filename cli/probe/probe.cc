@@ -21,7 +21,7 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   const OptionOf<MapFlags> options[] = {
     option({.name = "map", .help = "illumination map (EXR, Radiance HDR, PFM)", .positional = true, .required = true}, FIELD(path), Texts("MAP")),
     option({.name = "projection", .help = "projection of the map", .default_text = "by its shape", .metavar = "NAME"}, FIELD(projection), NamesOfEnum<Projection>()),
-    option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR"}, FIELD(limits.trust_input), Switches()),
+    option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one"}, FIELD(limits.trust_input), Switches()),
   };
   // clang-format on
   AddOptions(command, options, flags);

@@ -43,7 +43,7 @@ TEST_F(RenderCli, LayersAccompanyThePicture) {
   ASSERT_EQ(Run(picture + " --aovs uv,depth -o layers.exr").exit_code, 0);
   EXPECT_EQ(ReadImage(Path("plain.exr")).rgb, ReadImage(Path("layers.exr")).rgb);
   EXPECT_EQ(Bytes("plain.png"), Bytes("layers.png"));
-  const ExrHeader header = ParseExrHeader("layers.exr", Bytes("layers.exr"), {});
+  const ExrHeader header = ParseExrHeaders("layers.exr", Bytes("layers.exr"), {}).front();
   std::vector<std::string> names;
   for (const ExrChannel& channel : header.channels) names.push_back(channel.name);
   EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "depth.Z", "uv.A", "uv.U", "uv.V"}));

@@ -62,6 +62,13 @@ TEST_F(ImageFiles, ExrColoursOfOtherPrimariesBecomeThoseOfRec709) {
   const Image read = ReadImage(Path("a.exr"));
   const float expected[] = {1, 1, 1, 1.6605f, -0.1246f, -0.0182f};
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(read.rgb[i], expected[i], 2e-4f) << i;
+  // X, Y and Z themselves: those of white D65 are white, whatever the white of the space.
+  Image xyz(1, 1);
+  xyz.rgb = {0.9505f, 1, 1.089f};
+  Imf::Header of_xyz = HeaderFor(xyz, Imf::ZIP_COMPRESSION);
+  Imf::addChromaticities(of_xyz, Imf::Chromaticities({1, 0}, {0, 1}, {0, 0}, {1 / 3.f, 1 / 3.f}));
+  WriteExrKind(Path("a.exr"), of_xyz, xyz);
+  for (const float value : ReadImage(Path("a.exr")).rgb) EXPECT_NEAR(value, 1, 2e-3f);
   // Those of Rec. 709 itself, and chromaticities that make no space, change no bit.
   for (const Imf::Chromaticities& same :
        {Imf::Chromaticities(), Imf::Chromaticities({0, 0}, {0, 0}, {0, 0}, {0, 0})}) {
@@ -93,6 +100,8 @@ TEST_F(ImageFiles, ExrColoursAreFoundUnderOtherNames) {
   const std::string layer = "ViewLayer.Combined.";  // as Blender names it
   named(layer + "R", layer + "G", layer + "B");
   ExpectSame(ReadImage(Path("a.exr")), image);
+  WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image, {{"G", Imf::FLOAT}});
+  EXPECT_EQ(ReadImage(Path("a.exr")).rgb[0], image.rgb[1]) << "the only channel";
 }
 
 // Luminance Y and (R - Y) / Y, (B - Y) / Y: G follows from the weights of Rec. 709.

@@ -266,9 +266,9 @@ TEST_F(ImageFiles, ExrLuminanceAloneIsGrey) {
 
 TEST_F(ImageFiles, ExrWithoutColoursIsRefused) {
   const Image image = Numbered(9, 5);
-  for (const ExrChannels& channels :
-       {ExrChannels{{"R", Imf::FLOAT}, {"G", Imf::FLOAT}}, ExrChannels{{"left.R", Imf::FLOAT}},
-        ExrChannels{{"RY", Imf::FLOAT}, {"BY", Imf::FLOAT}}}) {
+  for (const ExrChannels& channels : {ExrChannels{{"R", Imf::FLOAT}, {"G", Imf::FLOAT}},
+                                      ExrChannels{{"left.R", Imf::FLOAT}, {"right.R", Imf::FLOAT}},
+                                      ExrChannels{{"RY", Imf::FLOAT}, {"BY", Imf::FLOAT}}}) {
     WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image, channels);
     EXPECT_THROW(ReadImage(Path("a.exr")), InputError);
   }

@@ -317,7 +317,7 @@ TEST_F(MalformedPbrt, CopiesOfInstancesAreBounded) {
 }
 
 TEST_F(MalformedPbrt, StrictRefusesWhatEveryReaderReports) {
-  Put("a.pbrt", "WorldBegin Shape \"sphere\"\nShape \"cone\"\n");
+  Put("a.pbrt", "WorldBegin Shape \"sphere\"\nShape \"nurbs\"\n");
   Put("a.mtl", "newmtl m\nKd 1 1 1\nmap_bump no.png\n");
   Put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
   Put("a.gltf",

@@ -323,10 +323,10 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "WorldBegin\n"                                                // 2
       "LightSource \"laser\" \"rgb I\" [1 1 1]\n"                   // 3
       "Material \"velvet\"\n"                                       // 4
-      "Shape \"cone\"\n"                                            // 5
+      "Shape \"nurbs\"\n"                                           // 5
       "Shape \"sphere\"\n"                                          // 6
       "  \"float bulge\" 2\n"                                       // 7
-      "Shape \"cone\"\n"                                            // 8
+      "Shape \"nurbs\"\n"                                           // 8
       "Material \"dielectric\" \"float roughness\" 0.1\n"           // 9
       "Texture \"wood\" \"spectrum\" \"ptex\" \"float gamma\" 1\n"  // 10
       "Material \"matte\" \"texture Kd\" \"wood\"\n"                // 11
@@ -336,7 +336,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
   const std::vector<std::string> expected = {
       "t.pbrt:3: LightSource \"laser\" is not supported: left out",
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
-      "t.pbrt:5: Shape \"cone\" is not supported: left out (2 times)",
+      "t.pbrt:5: Shape \"nurbs\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
       "t.pbrt:10: Texture \"wood\" \"ptex\" is not supported: its users take their default",
       "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
@@ -403,7 +403,7 @@ TEST(Warnings, EverythingSkippedIsReported) {
                            "Material \"plastic\" \"float uroughness\" .4",
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
-                           "Shape \"cone\"",
+                           "Shape \"nurbs\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",
                            "AreaLightSource \"goniometric\""}) {
