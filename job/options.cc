@@ -245,6 +245,10 @@ std::vector<JobOption> ReadingRows() {
   return {
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
+    Plain({.name = "missing", .group = kReading, .help = "what becomes of a scene that names textures, material libraries or meshes that are missing or cannot be read: they are left out with a warning, or the scene is refused", .scope = kInput, .example = "--missing refuse", .default_text = "skip", .of_reading = true},
+          FIELD(read.missing), NamesOfEnum<MissingFiles>()),
+    Plain({.name = "vertex-colors", .group = kReading, .help = "whether colours of vertices are factors of the surface's", .scope = kPixels, .example = "--vertex-colors off", .default_text = "on", .of_reading = true},
+          FIELD(read.vertex_colors), NamesOfEnum<VertexColors>()),
     Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by copies of instances or by subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
     Plain({.name = "instances", .group = kReading, .help = "whether objects that a scene has more than once are copied, or shared by their instances, which takes less memory and more time", .scope = kPixels, .example = "--instances share", .default_text = "auto: shared where copies would take 256 MB more", .of_reading = true},

@@ -20,11 +20,28 @@ template <>
 inline constexpr auto kEnumNames<InstanceUse> = std::to_array<Named<InstanceUse>>(
     {{InstanceUse::kAuto, "auto"}, {InstanceUse::kCopy, "copy"}, {InstanceUse::kShare, "share"}});
 
+// What becomes of a scene that names a file which is not there or cannot be read.
+enum class MissingFiles {
+  kSkip,   // what needs it is left out, with a warning
+  kRefuse  // the scene is refused
+};
+template <>
+inline constexpr auto kEnumNames<MissingFiles> = std::to_array<Named<MissingFiles>>(
+    {{MissingFiles::kSkip, "skip"}, {MissingFiles::kRefuse, "refuse"}});
+
+// Whether colours of vertices count, as factors of the reflectance and of the opacity.
+enum class VertexColors { kOn, kOff };
+template <>
+inline constexpr auto kEnumNames<VertexColors> =
+    std::to_array<Named<VertexColors>>({{VertexColors::kOn, "on"}, {VertexColors::kOff, "off"}});
+
 inline constexpr std::size_t kMaxInstances = std::size_t{1} << 24;
 
 struct ReadOptions {
   // Turns every omission or approximation into an InputError instead of a warning.
   bool strict = false;
+  MissingFiles missing = MissingFiles::kSkip;
+  VertexColors vertex_colors = VertexColors::kOn;
   // Files that grow beyond this by instances or subdivision are refused, so that a small file
   // cannot exhaust the memory. [triangles] 2^27 triangles are about 5 GB of positions and indices.
   std::size_t max_triangles = std::size_t{1} << 27;

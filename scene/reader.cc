@@ -34,12 +34,13 @@ std::string LowerCaseEnding(std::filesystem::path path) {
 Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   PlyReport report;
   Mesh mesh = ReadPly(path, &report);
-  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  Warnings warnings = MakeWarnings(options);
   const auto position = InputPosition::File(path);
   WarnOfPly(report, position, warnings);
   mesh.name = path;
   Scene scene;
   Material material = {.name = "default"};
+  if (options.vertex_colors == VertexColors::kOff) mesh.colors.clear();
   // Colours and a texture are those of the surface, and not of the grey that stands for neither.
   if (!mesh.colors.empty()) material.reflectance = glm::vec3(1);
   if (!report.texture.empty() && !mesh.uvs.empty()) {
@@ -51,7 +52,7 @@ Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
       material.color_texture = 0;
       material.reflectance = glm::vec3(1);
     } catch (const InputError& error) {
-      AddWarning(warnings, position, fmt::format("TextureFile: {}: left out", error.what()));
+      AddMissing(warnings, position, "TextureFile", error, "left out");
     }
   }
   scene.materials.push_back(std::move(material));

@@ -86,6 +86,29 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
   AddRemark(warnings, position, text, true);
 }
 
+void AddMissing(Warnings& warnings, const InputPosition& position, std::string_view thing,
+                const InputError& error, std::string_view consequence) {
+  // The warning has its own position in front.
+  const bool here = error.place() == ToString(position);
+  const std::string text =
+      fmt::format("{}: {}: {}", thing, here ? error.reason() : error.what(), consequence);
+  RefuseMissing(warnings, position, text);
+  AddWarning(warnings, position, text);
+}
+
+void RefuseMissing(const Warnings& warnings, const InputPosition& position,
+                   const std::string& text) {
+  if (!warnings.refuses_missing) return;
+  throw InputError(position, WithoutControlCodes(text) + " (refused by --missing refuse)");
+}
+
+Warnings MakeWarnings(const ReadOptions& options) {
+  Warnings warnings;
+  warnings.strict = options.strict;
+  warnings.refuses_missing = options.missing == MissingFiles::kRefuse;
+  return warnings;
+}
+
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& raw) {
   AddRemark(warnings, position, raw, false);
 }

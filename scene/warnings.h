@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
+#include "scene/read_options.h"
 
 namespace skywave {
 
@@ -26,8 +28,10 @@ struct Warnings {
   };
   std::vector<Entry> entries;  // in the order of their first appearance
   std::unordered_map<std::string, std::size_t> by_text;
-  bool strict = false;  // throw instead of adding a warning
+  bool strict = false;           // throw instead of adding a warning
+  bool refuses_missing = false;  // likewise, of files that are missing
 };
+Warnings MakeWarnings(const ReadOptions& options);
 
 // Warns that the picture differs from the file's description: `text` names the cause and the
 // substitute. Throws it as an InputError if warnings are refused.
@@ -37,6 +41,14 @@ void AddWarning(Warnings& warnings, const InputPosition& position, const std::st
 // line with the first three names and the number of the others.
 void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
                   const std::string& name, const std::string& text);
+
+// Warns that the file of `thing` is missing or cannot be read, as `error` says, and what is done
+// without it. RefuseMissing throws such a warning where these scenes are refused, and does nothing
+// else.
+void AddMissing(Warnings& warnings, const InputPosition& position, std::string_view thing,
+                const InputError& error, std::string_view consequence);
+void RefuseMissing(const Warnings& warnings, const InputPosition& position,
+                   const std::string& text);
 
 // Notes that something in the file has no effect, although the picture matches the file's
 // description. Never refused.

@@ -323,11 +323,19 @@ void AddNodes(const tinygltf::Model& model, const std::vector<int>& roots, const
   }
 }
 
+void DropVertexColors(Scene& scene) {
+  const auto drop = [](std::vector<Mesh>& meshes) {
+    for (Mesh& mesh : meshes) mesh.colors.clear(), mesh.alphas.clear();
+  };
+  drop(scene.meshes);
+  for (Object& object : scene.objects) drop(object.meshes);
+}
+
 }  // namespace
 
 Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options) {
   Scene scene;
-  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  Warnings warnings = MakeWarnings(options);
   const tinygltf::Model model = LoadGltf(bytes, path, warnings);
   GltfMaterials materials(model, path, scene, warnings);
   scene.scenes = SceneNames(model);
@@ -339,6 +347,7 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
   MeshAdder adder(model, poses, materials, path, options.max_triangles, scene, warnings);
   AddNodes(model, Roots(model, options.scene, path), path, adder, scene, warnings);
+  if (options.vertex_colors == VertexColors::kOff) DropVertexColors(scene);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
   if (!scene.animations.empty() && !options.frame) {

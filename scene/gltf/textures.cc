@@ -188,8 +188,10 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
     if (std::size_t(source) < model.images.size()) {
       uri = model.images[std::size_t(source)].uri.substr(0, 80);
     }
-    WarnOfMaterial(textures, fmt::format("texture {} is left out: {}{}", info.index, problem,
-                                         uri.empty() ? "" : fmt::format(" (\"{}\")", uri)));
+    const std::string text = fmt::format("texture {} is left out: {}{}", info.index, problem,
+                                         uri.empty() ? "" : fmt::format(" (\"{}\")", uri));
+    RefuseMissing(textures.warnings, InputPosition::File(textures.path), text);
+    WarnOfMaterial(textures, text);
     return std::nullopt;
   }
   ChooseUvSet(textures, info.uv_set);

@@ -155,8 +155,9 @@ std::optional<std::string> FindMap(std::string name, const Entry& entry, std::st
   const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) return path.string();
-  AddWarning(warnings, At(entry, word),
-             fmt::format("{}: there is no file \"{}\": the plain value is used", word, name));
+  const InputPosition at = At(entry, word);
+  AddMissing(warnings, at, word, InputError(at, fmt::format("there is no file \"{}\"", name)),
+             "the plain value is used");
   return std::nullopt;
 }
 
@@ -179,8 +180,7 @@ std::optional<std::uint32_t> TryImage(const std::string& path, Encoding encoding
   try {
     return AddTextureImage(textures, path, encoding);
   } catch (const InputError& error) {
-    AddWarning(warnings, At(entry, word),
-               fmt::format("{}: {}: the plain value is used", word, error.what()));
+    AddMissing(warnings, At(entry, word), word, error, "the plain value is used");
     return std::nullopt;
   }
 }

@@ -39,8 +39,9 @@ std::vector<std::string> ResolveLibraries(const ObjName& library, const std::str
       files.push_back(std::move(file));
       continue;
     }
-    AddWarning(warnings, InputPosition::Line(path, library.line),
-               fmt::format("there is no file \"{}\": its materials are grey Lambert", name));
+    const auto at = InputPosition::Line(path, library.line);
+    AddMissing(warnings, at, "mtllib", InputError(at, fmt::format("there is no file \"{}\"", name)),
+               "its materials are grey Lambert");
   }
   return files;
 }
@@ -104,7 +105,7 @@ UsedMaterials FindUsedMaterials(const ObjStatements& statements, const std::stri
 
 Scene ParseObj(std::string text, const std::string& path, const ReadOptions& options) {
   Scene scene;
-  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  Warnings warnings = MakeWarnings(options);
   scene.materials.push_back({.name = "default"});
   ObjLines lines = MakeObjLines(std::move(text), path);
   const ObjStatements statements = CheckObj(lines, warnings);
@@ -121,6 +122,7 @@ Scene ParseObj(std::string text, const std::string& path, const ReadOptions& opt
                         /*triangulate=*/true, /*default_vcols_fallback=*/false)) {
     throw InputError(InputPosition::File(path), "tinyobjloader cannot read it: " + errors);
   }
+  if (options.vertex_colors == VertexColors::kOff) attributes.colors.clear();
   BuildObjMeshes(attributes, shapes, statements.has_smoothing, path, scene);
   SetRemarks(warnings, scene);
   return scene;

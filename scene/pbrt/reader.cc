@@ -178,7 +178,7 @@ PbrtParameters ReadParametersAndAttributes(PbrtReader& reader, PbrtSource& sourc
 Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& options) {
   PbrtReader reader;
   reader.options = options;
-  reader.warnings.strict = options.strict;
+  reader.warnings = MakeWarnings(options);
   reader.scene.left_handed = true;
   reader.scene.materials.push_back({.name = "default"});
   reader.state.material = 0;

@@ -116,21 +116,21 @@ Mesh TriangleMesh(PbrtParameters& parameters, bool corner_uvs) {
   return mesh;
 }
 
-Mesh PlyMesh(PbrtParameters& parameters,
-             const std::function<std::string(const std::string&)>& resolve, std::size_t& faces,
-             Warnings& warnings) {
+// Returns nothing, with a warning, for a file that is missing or cannot be read.
+std::optional<Mesh> PlyMesh(PbrtParameters& parameters,
+                            const std::function<std::string(const std::string&)>& resolve,
+                            std::size_t& faces, Warnings& warnings) {
   const auto filename = FindString(parameters, "filename");
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
-  const std::string path = resolve(*filename);
   PlyReport report;
   Mesh mesh;
   try {
-    mesh = ReadPly(path, &report);
+    mesh = ReadPly(resolve(*filename), &report);
   } catch (const InputError& error) {
-    // The message holds both positions: that in the mesh and that in the scene that names it.
-    throw InputError(parameters.position, error.what(), error.exit_code());
+    AddMissing(warnings, parameters.position, parameters.directive, error, "left out");
+    return std::nullopt;
   }
   faces = report.polygons;
   WarnOfPly(report, parameters.position, warnings);
@@ -344,7 +344,9 @@ std::optional<PbrtShape> MakePbrtShape(
     mesh = TriangleMesh(parameters, options.corner_uvs);
     shape.faces = mesh.triangles.size();
   } else if (type == "plymesh") {
-    mesh = PlyMesh(parameters, resolve, shape.faces, warnings);
+    std::optional<Mesh> read = PlyMesh(parameters, resolve, shape.faces, warnings);
+    if (!read) return std::nullopt;
+    mesh = *std::move(read);
     if (options.corner_uvs && mesh.uvs.empty()) GiveCornersUvs(mesh);
   } else if (type == "loopsubdiv") {
     mesh = LoopSubdivisionSurface(parameters, limit, warnings);

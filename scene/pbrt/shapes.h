@@ -28,9 +28,10 @@ struct PbrtShape {
 };
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
-// that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the
-// scene into a path. Throws InputError on wrong counts, indices out of range, missing files, and on
-// a loopsubdiv, bilinearmesh or curve of more than kMaxSubdividedTriangles.
+// that are not supported and for files that cannot be read, adds a warning and returns nothing.
+// `resolve` turns a file name in the scene into a path. Throws InputError on wrong counts, indices
+// out of range, missing files, and on a loopsubdiv, bilinearmesh or curve of more than
+// kMaxSubdividedTriangles.
 std::optional<PbrtShape> MakePbrtShape(
     const std::string& type, PbrtParameters& parameters,
     const std::function<std::string(const std::string&)>& resolve, const PbrtShapeOptions& options,

@@ -54,10 +54,16 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
     }
   }
   if (const auto file = FindString(parameters, "normalmap")) {
-    const std::string path = ResolvePbrtPath(reader, *file, parameters.position);
     Texture texture;
     texture.use = TextureUse::kPbrtNormals;
-    texture.image = AddTextureImage(reader.texture_files, path, Encoding::kLinear);
+    try {
+      const std::string path = ResolvePbrtPath(reader, *file, parameters.position);
+      texture.image = AddTextureImage(reader.texture_files, path, Encoding::kLinear);
+    } catch (const InputError& error) {
+      AddMissing(reader.warnings, parameters.position, parameters.directive + ": normalmap", error,
+                 "left out");
+      return;
+    }
     texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
     reader.scene.textures.push_back(texture);
     material.normal_texture = static_cast<std::uint32_t>(reader.scene.textures.size() - 1);

@@ -190,11 +190,25 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   texture.wrap_u = texture.wrap_v = Wrap(reader, parameters);
   texture.transform = UpwardTextureTransform(mapping->scale, mapping->offset);
   const glm::vec3 scale(FindFloat(parameters, "scale").value_or(1));
-  const std::string path = ResolvePbrtPath(reader, *filename, parameters.position);
-  const TexelEncoding encoding = EncodingOf(reader, parameters, path);
   const bool invert = FindBool(parameters, "invert").value_or(false);
-  texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
-                        : FloatImage(reader, path, encoding.encoding, unfiltered);
+  const auto left_out = [&](const InputError& error) {
+    AddMissing(reader.warnings, parameters.position, parameters.directive, error,
+               "its users take their default");
+    return PbrtTexture{};
+  };
+  std::string path;
+  try {
+    path = ResolvePbrtPath(reader, *filename, parameters.position);
+  } catch (const InputError& error) {
+    return left_out(error);
+  }
+  const TexelEncoding encoding = EncodingOf(reader, parameters, path);
+  try {
+    texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
+                          : FloatImage(reader, path, encoding.encoding, unfiltered);
+  } catch (const InputError& error) {
+    return left_out(error);
+  }
   if (unfiltered) texture.image = Unfiltered(reader, parameters, texture.image);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {

@@ -388,7 +388,7 @@ TEST_F(Cli, WarningsAreApartFromNotes) {
   const Result result =
       Run("render library.obj --env map.exr --size 4x3 --spp 2 -o a.exr --stats s.json");
   EXPECT_EQ(result.exit_code, 0);
-  const std::string missing = "library.obj:1: there is no file \"nosuch.mtl\"";
+  const std::string missing = "library.obj:1: mtllib: there is no file \"nosuch.mtl\"";
   EXPECT_TRUE(Contains(result.err, "warning: " + missing)) << result.err;
   EXPECT_TRUE(Contains(result.err, "note: library.obj: has no camera")) << result.err;
   const auto json = nlohmann::json::parse(Bytes("s.json"));

@@ -28,7 +28,7 @@ std::size_t Triangles(const Scene& scene) {
 // Each text has one triangle and one warning, whose text comes second.
 TEST(ForeignObj, WhatCannotBeReadIsNamedAndTheRestIsRendered) {
   const std::pair<std::string, std::string> cases[] = {
-      {"mtllib no.mtl\nf 1 2 3\n", "t.obj:4: there is no file \"no.mtl\""},
+      {"mtllib no.mtl\nf 1 2 3\n", "t.obj:4: mtllib: there is no file \"no.mtl\""},
       {"mtllib\nf 1 2 3\n", "t.obj:4: 'mtllib' without a name"},
       {"usemtl\nf 1 2 3\n", "t.obj:4: 'usemtl' without a name"},
       {"f 1 2\nf 1 2 3\n", "t.obj:4: a face of fewer than three corners"},

@@ -294,7 +294,7 @@ TEST_F(MalformedPbrt, EndsWithItsPlaceAndExitCode65) {
   };
   for (const auto& file : files) {
     Put(file.name, file.text);
-    const Result result = Run(std::string("info ") + file.name);
+    const Result result = Run(std::string("info --missing refuse ") + file.name);
     EXPECT_EQ(result.exit_code, 65) << file.name << result.err;
     EXPECT_NE(result.err.find(file.place), std::string::npos) << file.name << " -> " << result.err;
   }

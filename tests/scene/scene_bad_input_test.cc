@@ -136,7 +136,6 @@ TEST(BadPbrt, IsRefusedWithFileLineAndReason) {
       {"\nLightSource \"infinite\" \"string filename\" \"no.exr\"", "t.pbrt:2",
        "no file \"no.exr\""},
       {"\nInclude \"no.pbrt\"", "t.pbrt:2", "no file \"no.pbrt\""},
-      {"\nShape \"plymesh\" \"string filename\" \"no.ply\"", "t.pbrt:2", "no file \"no.ply\""},
       {"Shape \"plymesh\"", "t.pbrt:1", "needs a \"string filename\""},
       {"Shape \"trianglemesh\" \"integer indices\" [0 1 2]", "t.pbrt:1", "needs vertices"},
       {"Shape \"trianglemesh\" \"point P\" [0 0 0 1 1]", "t.pbrt:1", "not a multiple of 3"},
@@ -291,7 +290,8 @@ TEST(BadPbrt, IncludesMustExistAndNotRecur) {
 
   folder.Write("bad.ply", "ply\nformat ascii 1.0\nelement vertex x\n");
   const std::string ply = ErrorOf([&] {
-    ReadScene(folder.Write("m.pbrt", "\nShape \"plymesh\" \"string filename\" \"bad.ply\""));
+    ReadScene(folder.Write("m.pbrt", "\nShape \"plymesh\" \"string filename\" \"bad.ply\""),
+              {.missing = MissingFiles::kRefuse});
   });
   EXPECT_TRUE(Contains(ply, "m.pbrt:2: ") && Contains(ply, "bad.ply:3: ")) << ply;
 }
