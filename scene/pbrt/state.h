@@ -77,7 +77,7 @@ struct PbrtRoundShape {
   std::vector<std::optional<float>> numbers;  // FindRoundNumbers
   std::uint32_t material;
   bool needs_uvs, flipped;
-  auto operator<=>(const PbrtRoundShape&) const = default;
+  auto operator<=>(const PbrtRoundShape&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 struct PbrtRoundObject {
