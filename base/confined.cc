@@ -16,6 +16,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -36,11 +37,12 @@ struct Report {
   char message[1020];
 };
 
-// System calls that give and take memory, and those by which locks and signals return.
+// System calls that give and take memory, and those by which locks and signals work; sanitizers ask
+// for the stack of signals where an exception is thrown.
 constexpr unsigned kAllowedCalls[] = {
-    SYS_mmap,        SYS_munmap,         SYS_mremap,   SYS_brk,
-    SYS_madvise,     SYS_futex,          SYS_mprotect, SYS_rt_sigreturn,
-    SYS_sched_yield, SYS_rt_sigprocmask, SYS_exit,     SYS_exit_group};
+    SYS_mmap,        SYS_munmap, SYS_mremap,      SYS_brk,          SYS_madvise,
+    SYS_mprotect,    SYS_futex,  SYS_sched_yield, SYS_rt_sigreturn, SYS_rt_sigprocmask,
+    SYS_sigaltstack, SYS_exit,   SYS_exit_group};
 
 // Every other call fails with EPERM, and calls of another instruction set kill.
 bool ForbidSystemCalls() {
@@ -72,8 +74,9 @@ std::size_t AddressSpace() {
   return pages * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
+// A process that needs more than `most` is told, and stopped where it needs still more.
 void Limit(__rlimit_resource resource, std::size_t most) {
-  const rlimit limit = {.rlim_cur = most, .rlim_max = most};
+  const rlimit limit = {.rlim_cur = most, .rlim_max = most + 1};
   setrlimit(resource, &limit);
 }
 
@@ -86,7 +89,8 @@ void Say(Report& report, Report::State state, std::string_view message) {
 [[noreturn]] void RunInChild(const ConfinedLimits& limits, std::size_t address_space,
                              const std::function<void()>& work, Report& report) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal :
+       {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGHUP, SIGXCPU}) {
     ::signal(signal, SIG_DFL);
   }
   Limit(RLIMIT_AS, address_space + limits.memory_bytes);
@@ -107,10 +111,12 @@ void Say(Report& report, Report::State state, std::string_view message) {
   _exit(0);
 }
 
-// Waits for the child, which may hang on a lock that another thread held when it was made.
+// Waits for the child, which may hang on a lock that another thread held when it was made: it has
+// kPatience times its processor time.
+constexpr int kPatience = 4;
 int WaitFor(pid_t child, int seconds) {
   using namespace std::chrono;
-  const auto deadline = steady_clock::now() + std::chrono::seconds(4 * seconds);
+  const auto deadline = steady_clock::now() + std::chrono::seconds(kPatience * seconds);
   int status = 0;
   for (auto pause = microseconds(100); waitpid(child, &status, WNOHANG) == 0;
        pause = std::min(2 * pause, microseconds(5000))) {
@@ -142,13 +148,19 @@ void RunConfined(const ConfinedLimits& limits, const std::function<void()>& work
   report.message[sizeof report.message - 1] = 0;
   if (report.state == Report::kThrew) throw std::runtime_error(report.message);
   if (report.state == Report::kNotConfined) {
-    throw std::runtime_error("this system cannot confine processes (seccomp)");
+    throw CannotConfine("this system cannot confine processes (seccomp)");
   }
-  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (signal == SIGXCPU || signal == SIGKILL) {
-    throw std::runtime_error(fmt::format("it takes more than {} s", limits.seconds));
+  if (!WIFSIGNALED(status)) throw std::runtime_error("its process ended without a result");
+  const int signal = WTERMSIG(status);
+  if (signal == SIGXCPU) {
+    throw std::runtime_error(
+        fmt::format("it takes more than {} s of processor time", limits.seconds));
   }
-  throw std::runtime_error(fmt::format("the program ends there with signal {}", signal));
+  if (signal == SIGKILL) {
+    throw std::runtime_error(
+        fmt::format("its process did not end within {} s", kPatience * limits.seconds));
+  }
+  throw std::runtime_error(fmt::format("its process ended with signal {}", signal));
 }
 
 }  // namespace skywave

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <functional>
-#include <span>
+#include <stdexcept>
 
 namespace skywave {
 
@@ -21,18 +21,21 @@ class SharedMemory {
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
   std::byte* data() const { return data_; }
-  std::size_t size() const { return bytes_; }
 
  private:
   std::byte* data_;
   std::size_t bytes_;
 };
 
+// The system cannot confine processes: it has no seccomp, or another architecture.
+struct CannotConfine : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // Runs `work` in a child of this process and waits for it. The child sees the memory of this
 // process as it is now, and what it writes stays its own, but for SharedMemory. It may ask the
 // system for memory and for nothing else: no files, no network, no processes. Throws
-// std::runtime_error with what was wrong: what `work` threw, a crash, a limit, or a system without
-// such confinement (seccomp).
+// std::runtime_error with what was wrong: what `work` threw, a crash or a limit; or CannotConfine.
 void RunConfined(const ConfinedLimits& limits, const std::function<void()>& work);
 
 }  // namespace skywave

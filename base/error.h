@@ -34,12 +34,17 @@ struct InputPosition {
   }
 };
 
+// Returns the text with question marks for codes that a terminal obeys, which names in files may
+// hold.
+std::string WithoutControlCodes(std::string text);
+
 // Returns "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
 std::string ToString(const InputPosition& position);
 
 class InputError : public std::runtime_error {
  public:
-  // `reason` names the error and, where it is not obvious, the remedy.
+  // `reason` names the error and, where it is not obvious, the remedy. It reaches terminals without
+  // control codes.
   InputError(const InputPosition& position, const std::string& reason,
              int exit_code = kExitBadInput);
   int exit_code() const { return exit_code_; }

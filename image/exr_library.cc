@@ -98,6 +98,14 @@ void Decode(const std::string& path, std::string_view bytes, const ExrHeader& he
   }
 }
 
+void Allocate(const ExrHeader& header, const ExrRequest& request, LayeredImage& picture) {
+  picture.image = Image(int(header.data_window.width()), int(header.data_window.height()));
+  for (const std::string& name : request.layers) {
+    picture.layers.push_back({.name = name, .values = {}});
+    ResizeLarge(picture.layers.back().values, picture.image.rgb.size() / 3);
+  }
+}
+
 // The library's own needs, and a second copy of all pixels of the file.
 ConfinedLimits LimitsOf(const ExrHeader& header, std::size_t pixels) {
   constexpr std::size_t kOwn = std::size_t{1} << 30;
@@ -105,38 +113,53 @@ ConfinedLimits LimitsOf(const ExrHeader& header, std::size_t pixels) {
           .seconds = 20 + int(pixels * header.channels.size() / 2'000'000)};
 }
 
+// Decodes in a process of its own. What the pixels take is had from the system as they are written,
+// so a file that claims too many does no harm.
+void DecodeConfined(const std::string& path, std::string_view bytes, const ExrHeader& header,
+                    const ExrRequest& request, LayeredImage& picture) {
+  const auto width = int(header.data_window.width()), height = int(header.data_window.height());
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  const std::size_t layers = request.layers.size();
+  const SharedMemory shared((3 + layers) * pixels * sizeof(float));
+  auto* const values = reinterpret_cast<float*>(shared.data());
+  Planes planes = {.rgb = values, .layers = {}};
+  for (std::size_t i = 0; i < layers; ++i) planes.layers.push_back(values + (3 + i) * pixels);
+  RunConfined(LimitsOf(header, pixels), [&] { Decode(path, bytes, header, request, planes); });
+  Allocate(header, request, picture);
+  std::copy_n(planes.rgb, 3 * pixels, picture.image.rgb.begin());
+  for (std::size_t i = 0; i < layers; ++i) {
+    std::copy_n(planes.layers[i], pixels, picture.layers[i].values.begin());
+  }
+}
+
+void DecodeHere(const std::string& path, std::string_view bytes, const ExrHeader& header,
+                const ExrRequest& request, LayeredImage& picture) {
+  Allocate(header, request, picture);
+  Planes planes = {.rgb = picture.image.rgb.data(), .layers = {}};
+  for (NamedChannel& layer : picture.layers) planes.layers.push_back(layer.values.data());
+  Decode(path, bytes, header, request, planes);
+}
+
 }  // namespace
 
 LayeredImage DecodeByLibrary(const std::string& path, std::string_view bytes,
                              const ReadLimits& limits, const ExrHeader& header,
                              const ExrRequest& request) {
-  const auto width = int(header.data_window.width()), height = int(header.data_window.height());
-  const std::size_t pixels = std::size_t(width) * std::size_t(height);
-  const std::size_t layers = request.layers.size();
+  LayeredImage picture;
+  const auto decode = header.risky() && !limits.trust_input ? DecodeConfined : DecodeHere;
   try {
-    const SharedMemory shared((3 + layers) * pixels * sizeof(float));
-    auto* const values = reinterpret_cast<float*>(shared.data());
-    Planes planes = {.rgb = values, .layers = {}};
-    for (std::size_t i = 0; i < layers; ++i) planes.layers.push_back(values + (3 + i) * pixels);
-    const auto decode = [&] { Decode(path, bytes, header, request, planes); };
-    if (header.risky() && !limits.trust_input) {
-      RunConfined(LimitsOf(header, pixels), decode);
-    } else {
-      decode();
-    }
-    LayeredImage picture = {Image(width, height), {}};
-    std::copy_n(planes.rgb, 3 * pixels, picture.image.rgb.begin());
-    for (std::size_t i = 0; i < layers; ++i) {
-      picture.layers.push_back({.name = request.layers[i], .values = {}});
-      ResizeLarge(picture.layers[i].values, pixels);
-      std::copy_n(planes.layers[i], pixels, picture.layers[i].values.begin());
-    }
-    if (request.names.size() == 1) SpreadGrey(picture.image);
-    return picture;
+    decode(path, bytes, header, request, picture);
+  } catch (const CannotConfine& error) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("such files of OpenEXR need a process of their own, and {}; "
+                                 "--trust-input decodes them without",
+                                 error.what()));
   } catch (const std::exception& error) {
     throw InputError(InputPosition::File(path),
                      fmt::format("cannot be decoded as OpenEXR: {}", error.what()));
   }
+  if (request.names.size() == 1) SpreadGrey(picture.image);
+  return picture;
 }
 
 }  // namespace skywave

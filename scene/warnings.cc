@@ -8,19 +8,6 @@ namespace skywave {
 
 namespace {
 
-// Names of files may hold codes that a terminal obeys.
-std::string WithoutControlCodes(std::string text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    // In UTF-8, the codes from 0x80 to 0x9f begin with 0xc2.
-    const bool second =
-        i > 0 && static_cast<unsigned char>(text[i - 1]) == 0xc2 && byte >= 0x80 && byte < 0xa0;
-    if (second) text[i - 1] = '?';
-    if (byte < 0x20 || byte == 0x7f || second) text[i] = '?';
-  }
-  return text;
-}
-
 // Returns what the line of an entry begins with: "materials 'a', 'b', 'c' and 4 more: ".
 std::string NamesOf(const Warnings::Entry& entry) {
   if (entry.names.empty()) return "";
@@ -81,7 +68,7 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
 
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text) {
   if (warnings.strict) {
-    throw InputError(position, WithoutControlCodes(text) + " (refused by --strict)");
+    throw InputError(position, text + " (refused by --strict)");
   }
   AddRemark(warnings, position, text, true);
 }
@@ -99,7 +86,7 @@ void AddMissing(Warnings& warnings, const InputPosition& position, std::string_v
 void RefuseMissing(const Warnings& warnings, const InputPosition& position,
                    const std::string& text) {
   if (!warnings.refuses_missing) return;
-  throw InputError(position, WithoutControlCodes(text) + " (refused by --missing refuse)");
+  throw InputError(position, text + " (refused by --missing refuse)");
 }
 
 Warnings MakeWarnings(const ReadOptions& options) {

@@ -82,24 +82,6 @@ TextureWrap Wrap(int gl) {
   return TextureWrap::kRepeat;
 }
 
-// Returns the image of the nearest texel of another one, or the image itself with a warning where
-// that would be too large.
-std::uint32_t Unfiltered(GltfTextures& textures, std::uint32_t image) {
-  const auto [known, is_new] = textures.unfiltered.try_emplace(image, image);
-  if (!is_new) return known->second;
-  std::optional<Image> squares =
-      UnfilteredImage(textures.scene.images[image], textures.unfiltered_texels);
-  if (!squares) {
-    WarnOfMaterial(textures,
-                   fmt::format("the filter NEAREST is not supported for so many images, or for "
-                               "images of more than {} texels per side: texels are interpolated",
-                               kMaxUnfilteredSide));
-    return image;
-  }
-  known->second = AddTextureImage(textures.scene, *std::move(squares));
-  return known->second;
-}
-
 // Takes the set of texture coordinates of the material's first texture for all of them.
 void ChooseUvSet(GltfTextures& textures, int set) {
   if (textures.uv_set.value_or(set) != set) {
@@ -199,7 +181,9 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
     const tinygltf::Sampler& sampler = model.samplers[std::size_t(from.sampler)];
     texture.wrap_u = Wrap(sampler.wrapS), texture.wrap_v = Wrap(sampler.wrapT);
     if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) {
-      texture.image = Unfiltered(textures, texture.image);
+      texture.image =
+          textures.unfiltered.Of(texture.image, textures.baked_texels, textures.scene,
+                                 [&](const std::string& text) { WarnOfMaterial(textures, text); });
     }
   }
   if (info.transform) texture.transform = *info.transform;

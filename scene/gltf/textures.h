@@ -28,8 +28,8 @@ struct GltfTextures {
   // What has been made of the images of the file, so that each is decoded once.
   std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
   std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};
-  std::map<std::uint32_t, std::uint32_t> unfiltered = {};  // by image, whose nearest texels count
-  std::size_t unfiltered_texels = kMaxBakedTexels;         // that such images may still have
+  UnfilteredImages unfiltered{.name = "NEAREST"};
+  std::size_t baked_texels = 0;
 };
 
 // Adds a warning that names the file and the material.

@@ -1,5 +1,7 @@
 #include "scene/materials/texture_baking.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,20 +32,30 @@ int Wrap(int i, int size, TextureWrap wrap) {
 
 }  // namespace
 
-std::optional<Image> UnfilteredImage(const Image& image, std::size_t& budget) {
-  const int longest = std::max(image.width, image.height);
-  if (longest > kMaxUnfilteredSide) return std::nullopt;
+std::uint32_t UnfilteredImages::Of(std::uint32_t image, std::size_t& baked, Scene& scene,
+                                   const std::function<void(const std::string&)>& warn) {
+  const auto [found, is_new] = known.try_emplace(image, image);
+  if (!is_new) return found->second;
+  const Image& texels = scene.images[image];
+  const int longest = std::max(texels.width, texels.height);
   const int by = std::min(kMaxBakedSide / longest, kCheckTexels);
-  Image squares(image.width * by, image.height * by);
-  const std::size_t count = squares.rgb.size() / 3;
-  if (count > budget) return std::nullopt;
-  budget -= count;
-  for (int y = 0; y < squares.height; ++y) {
-    for (int x = 0; x < squares.width; ++x) {
-      std::copy_n(image.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
+  const int width = texels.width * by, height = texels.height * by;
+  const std::size_t count = std::size_t(width) * std::size_t(height);
+  if (longest > kMaxUnfilteredSide || baked + count > kMaxBakedTexels) {
+    warn(
+        fmt::format("the filter {} is not supported for so many images, or for images of more "
+                    "than {} texels per side: texels are interpolated",
+                    name, kMaxUnfilteredSide));
+    return image;
+  }
+  baked += count;
+  Image squares(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::copy_n(texels.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
     }
   }
-  return squares;
+  return found->second = AddTextureImage(scene, std::move(squares));
 }
 
 glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at) {

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "scene/scene.h"
 
@@ -26,11 +29,18 @@ inline constexpr int kCheckTexels = 64;
 // t go from 0 to 2, t upwards.
 Image CheckerSelector();
 
-// Returns the image of the nearest texel of another one: each texel becomes a square of them, of
-// which only the rim is interpolated. Images of more than kMaxUnfilteredSide texels, and those for
-// which less than `budget` is left, give nothing; `budget` loses the texels of what is returned.
-inline constexpr int kMaxUnfilteredSide = 512;  // [texels]
-std::optional<Image> UnfilteredImage(const Image& image, std::size_t& budget);
+// Images of a scene of which the nearest texel counts.
+inline constexpr int kMaxUnfilteredSide = kMaxBakedSide / 4;  // [texels]
+struct UnfilteredImages {
+  std::map<std::uint32_t, std::uint32_t> known = {};  // by the image with texels as they are
+  std::string name;                                   // of the filter in the file, for warnings
+  // Returns the index of an image of the scene in which each texel is a square of them, so that
+  // only its rim is interpolated. `baked` counts the texels of the scene's baked images. An image
+  // of more than kMaxUnfilteredSide texels per side, or one too many, is interpolated as it is:
+  // `warn` gets the text.
+  std::uint32_t Of(std::uint32_t image, std::size_t& baked, Scene& scene,
+                   const std::function<void(const std::string&)>& warn);
+};
 
 // Interpolates bilinearly between texel centres; `at` is in units of the image, wrapped as the
 // texture has it.

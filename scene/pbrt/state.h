@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "scene/materials/texture_baking.h"
 #include "scene/materials/texture_files.h"
 #include "scene/pbrt/parameters.h"
 #include "scene/pbrt/tokens.h"
@@ -127,8 +128,8 @@ struct PbrtReader {
   int includes = 0;
   // Textures whose values are clamped, by texture and factor.
   std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> clamped_textures;
-  std::map<std::uint32_t, std::uint32_t> unfiltered_images;  // by image, whose nearest texels count
-  std::optional<std::uint32_t> checker_image;                // index into Scene::images
+  UnfilteredImages unfiltered_images{.name = "\"point\""};
+  std::optional<std::uint32_t> checker_image;  // index into Scene::images
   std::size_t baked_texels = 0;
   // The images of lights in all directions, by the file's image and whether it is pbrt-v4's.
   std::map<std::pair<std::uint32_t, bool>, PbrtSphereImage> sphere_images;

@@ -153,26 +153,6 @@ std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding e
   return known->second;
 }
 
-// Returns the image of the nearest texel of another one, or the image itself with a warning where
-// that would be too large.
-std::uint32_t Unfiltered(PbrtReader& reader, const PbrtParameters& parameters,
-                         std::uint32_t image) {
-  const auto [known, is_new] = reader.unfiltered_images.try_emplace(image, image);
-  if (!is_new) return known->second;
-  std::size_t budget = kMaxBakedTexels - std::min(reader.baked_texels, kMaxBakedTexels);
-  std::optional<Image> squares = UnfilteredImage(reader.scene.images[image], budget);
-  if (!squares) {
-    Warn(reader, parameters,
-         fmt::format("the filter \"point\" is not supported for so many images, or for images of "
-                     "more than {} texels per side: texels are interpolated",
-                     kMaxUnfilteredSide));
-    return image;
-  }
-  reader.baked_texels = kMaxBakedTexels - budget;
-  known->second = AddTextureImage(reader.scene, *std::move(squares));
-  return known->second;
-}
-
 // pbrt clamps colours at the image, too.
 PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color) {
   const auto filename = FindString(parameters, "filename");
@@ -209,7 +189,11 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   } catch (const InputError& error) {
     return left_out(error);
   }
-  if (unfiltered) texture.image = Unfiltered(reader, parameters, texture.image);
+  if (unfiltered) {
+    texture.image = reader.unfiltered_images.Of(
+        texture.image, reader.baked_texels, reader.scene,
+        [&](const std::string& text) { Warn(reader, parameters, text); });
+  }
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {
     return color ? ClampedPbrtTexture(reader, plain) : plain;

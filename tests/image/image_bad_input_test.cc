@@ -404,6 +404,14 @@ TEST_F(BadInput, ExrOfOtherKindsThanItsFlagsSayIsRefused) {
   EXPECT_NE(message().find("sub-sampled"), std::string::npos) << message();
 }
 
+TEST_F(BadInput, ErrorsReachTerminalsWithoutControlCodes) {
+  WriteExrKind(Path("a.exr"), HeaderFor(Numbered(2, 2), Imf::ZIP_COMPRESSION), Numbered(2, 2),
+               {{"\x1b[31mX", Imf::FLOAT}, {"Y2", Imf::FLOAT}});
+  EXPECT_FALSE(Reads(ReadFile(Path("a.exr"))));
+  EXPECT_EQ(message().find('\x1b'), std::string::npos);
+  EXPECT_NE(message().find("?[31mX"), std::string::npos) << message();
+}
+
 TEST_F(BadInput, MissingFilesAndFolders) {
   for (const std::string& path : {Path("missing.exr"), folder(), std::string()}) {
     try {

@@ -115,8 +115,8 @@ TEST(OneSided, BacksOfMirroredInstancesAreThoseOfTheirCopies) {
       const std::uint32_t black = AddOneSided(scene, glm::vec3(0));
       Mesh front = Quad(9);
       front.material = black;
-      // A mesh of the world before it, so that numbers of triangles differ.
-      Place(scene, Quad(0.1f), black, {50, 0, 0});
+      // A mesh of two sides in the world before it, so that numbers of triangles matter.
+      Place(scene, Quad(0.1f), AddLambert(scene, "two-sided", glm::vec3(0)), {50, 0, 0});
       scene.objects = {{.name = "sheet", .meshes = {front}}};
       const glm::dmat4 mirrored = glm::scale(glm::dmat4(1), glm::dvec3(-1, side, 1));
       scene.instances = {{.object = 0, .world_from_object = glm::dmat4x3(mirrored)}};
