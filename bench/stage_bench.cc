@@ -121,8 +121,8 @@ void AddEscapedStage(benchmark::State& state, bool bounce) {
 void PrepareSurfacesKernel(benchmark::State& state) {
   static WaveFixture f;  // a separate fixture because the kernel works in place
   Run(state, f.ranges.total(), [&] {
-    PrepareSurfaces(f.frame.geometry->triangles(), f.frame.geometry->materials().records,
-                    f.frame.geometry->instances(), f.ranges.total(), f.worker.surfaces);
+    PrepareSurfaces(f.frame.geometry->triangle_tables(), f.frame.geometry->materials().records,
+                    f.ranges.total(), f.worker.surfaces);
   });
 }
 // There is nothing to do if the scene has neither textures nor metallic-roughness.

@@ -67,7 +67,7 @@ std::vector<OptionOf<BatchFlags>> BatchOptions() {
     option({.name = "job", .help = "TOML file of options and axes (docs/batch.md)", .positional = true, .required = true}, FIELD(job_file), Texts("JOB")),
     option({.name = "output", .help = "folder that the path of [output] is relative to", .default_text = "that of the job file", .letter = 'o'}, FIELD(output_folder), Texts("FOLDER")),
     option({.name = "only", .help = "render one of N interleaved shares of the pictures", .default_text = "all of them"}, FIELD(only), Shares()),
-    option({.name = "checkpoint", .help = "save an unfinished picture every so many seconds; SIGINT and SIGTERM save it anyhow, and the same command goes on", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Unless(0.0, Doubles(0.01, 1e9))),
+    option({.name = "checkpoint", .help = "save an unfinished picture every so many seconds; SIGINT, SIGTERM and SIGHUP save it anyhow, and the same command goes on", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Unless(0.0, Doubles(0.01, 1e9))),
     option({.name = "force", .help = "also render pictures that are there already"}, FIELD(force), Switches()),
     option({.name = "list", .help = "print the pictures and their values, and render none", .excludes = "dry-run"}, FIELD(list), Switches()),
     option({.name = "json", .help = "with --list: print JSON", .needs = "list"}, FIELD(json), Switches()),

@@ -57,7 +57,7 @@ std::vector<OptionOf<RenderFlags>> OutputOptions() {
     option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
     option({.name = "film", .help = "keep the sums of the film, for skywave merge; without --output they are all that is written"}, FIELD(film), Texts("FILM")),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
-    option({.name = "checkpoint", .group = kStopping, .help = "save the render every so many seconds; 0: only on SIGINT or SIGTERM, after which the exit code is 75; the file is named after the output, with the ending .checkpoint, and is removed when all is written", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Doubles(0, 1e9)),
+    option({.name = "checkpoint", .group = kStopping, .help = "save the render every so many seconds; 0: only on SIGINT, SIGTERM or SIGHUP, after which the exit code is 75; the file is named after the output, with the ending .checkpoint, and is removed when all is written", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Doubles(0, 1e9)),
     option({.name = "resume", .group = kStopping, .help = "go on from the checkpoint, if there is one, to the same bytes"}, FIELD(resume), Switches()),
     option({.name = "stats", .group = "Output", .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
     option({.name = "display", .group = "Output", .help = "show the picture in the viewer tev while it is rendered"}, FIELD(viewer), Viewers()),

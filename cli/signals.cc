@@ -22,6 +22,12 @@ void Catch(int signal, void (*handler)(int), int flags) {
   sigaction(signal, &action, nullptr);
 }
 
+bool IsIgnored(int number) {
+  struct sigaction now = {};
+  sigaction(number, nullptr, &now);
+  return now.sa_handler == SIG_IGN;
+}
+
 void End(int number) {
   RemoveUnfinishedFiles();
   ::signal(number, SIG_DFL);
@@ -42,9 +48,7 @@ void KeepStandardStreams() {
 
 void EndWithoutUnfinishedFiles() {
   for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM, SIGXCPU}) {
-    struct sigaction before = {};
-    sigaction(number, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) Catch(number, End, 0);
+    if (!IsIgnored(number)) Catch(number, End, 0);
   }
 }
 
@@ -53,6 +57,7 @@ void CatchStopSignals() {
     if (stop_asked.exchange(true)) End(number);
   };
   for (const int number : {SIGINT, SIGTERM}) Catch(number, ask, 0);
+  if (!IsIgnored(SIGHUP)) Catch(SIGHUP, ask, 0);
 }
 
 void TakeFileLimitsAsErrors() { Catch(SIGXFSZ, SIG_IGN, 0); }

@@ -14,8 +14,8 @@ void KeepStandardStreams();
 // stay ignored.
 void EndWithoutUnfinishedFiles();
 
-// The first SIGINT or SIGTERM asks for an end; a second signal, either of them, ends the process as
-// usual.
+// The first SIGINT, SIGTERM or SIGHUP (the terminal is gone) asks for an end; a second signal, any
+// of them, ends the process as usual. SIGHUP stays ignored under nohup.
 void CatchStopSignals();
 // True once an end has been asked for.
 bool StopAsked();

@@ -141,9 +141,9 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   times_.load += Time([&] { light = parts.Light(request_); });
   notes_.insert(notes_.end(), light->notes.begin(), light->notes.end());
 
+  sphere_ = BoundingSphere(prepared.whole_bounds);
   PlaceCamera(*prepared.scene, prepared.bounds);
   times_.build = Time([&] { geometry_ = parts.Build(request_, EmbreeThreads(options().threads)); });
-  sphere_ = BoundingSphere(prepared.whole_bounds);
   PlaceLights(parts, *light);
   CheckLightPaths(options().integrator);
 
@@ -163,7 +163,8 @@ void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
   filter_offsets_ = FilterOffsets(options().filter, options().filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options().filter_radius);
   filter_factors_ = FilterFactors(options().filter, options().filter_radius, filter_offsets_);
-  camera_ = MakeCameraView(scene_camera_, width, height, filter_offsets_.data(), request_.crop);
+  camera_ =
+      MakeCameraView(scene_camera_, width, height, filter_offsets_.data(), request_.crop, &sphere_);
 }
 
 void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 
 namespace skywave {
 
@@ -12,8 +13,12 @@ bool HaveOneBvh(const GeometryTables& a, const GeometryTables& b) {
     return x.object == y.object && std::equal(std::begin(x.world_from_object),
                                               std::end(x.world_from_object), y.world_from_object);
   };
-  return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices && a.indices == b.indices &&
-         a.spans == b.spans && a.one_sided == b.one_sided &&
+  const auto corners = [](const GeometryTables& tables) {
+    return std::span(tables.corners).first(3 * tables.triangle_count());
+  };
+  return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices &&
+         std::ranges::equal(corners(a), corners(b)) && a.spans == b.spans &&
+         a.one_sided == b.one_sided &&
          std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     same);
 }
@@ -30,7 +35,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                           : std::make_shared<const EmbreeScene>(
                                 EmbreeTriangles{.vertices = tables_.vertices.data(),
                                                 .vertex_count = tables_.vertex_count(),
-                                                .indices = tables_.indices.data(),
+                                                .indices = tables_.corners.data(),
                                                 .spans = tables_.spans,
                                                 .instances = tables_.instances,
                                                 .opacity = opacity_,
@@ -63,7 +68,7 @@ NormalMapView Geometry::normal_maps() const {
 }
 
 glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
-  const std::uint32_t vertex = tables_.indices[3 * triangle + std::size_t(corner)];
+  const std::uint32_t vertex = tables_.corners[3 * triangle + std::size_t(corner)];
   const float* const p = &tables_.vertices[3 * std::size_t{vertex}];
   return {p[0], p[1], p[2]};
 }

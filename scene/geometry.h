@@ -14,6 +14,7 @@
 #include "kernels/partition.h"
 #include "kernels/surface/normal_map.h"
 #include "kernels/surface/opacity.h"
+#include "kernels/surface/surface.h"
 #include "kernels/surface/texture.h"
 #include "scene/embree_scene.h"
 #include "scene/geometry_tables.h"
@@ -40,6 +41,9 @@ class Geometry {
 
   RTCScene scene() const { return embree_->scene(); }
   const TriangleRecord* triangles() const { return tables_.triangles.data(); }
+  TriangleTables triangle_tables() const {
+    return {triangles(), tables_.corners.data(), tables_.vertices.data(), instances()};
+  }
   MaterialView materials() const;
   TextureView textures() const;  // empty: no material has one
   NormalMapView normal_maps() const;

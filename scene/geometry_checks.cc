@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -10,7 +11,10 @@
 namespace skywave {
 namespace {
 
-constexpr float kEndOfWorld = 1e18f;  // Embree's limit; beyond it the arithmetic of boxes overflows
+// Fourth powers of lengths (squares of areas) are floats: beyond these sizes of a scene they
+// overflow or lose their digits, in kernels and in Embree.
+constexpr float kEndOfWorld = 1e9f;
+constexpr float kSmallestWorld = 1e-6f;
 
 bool Finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -30,7 +34,8 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::vec3& p = mesh.positions[i];
     if (!Finite(p) || glm::length(p) > kEndOfWorld) {
-      fail(fmt::format("vertex {} is at ({}, {}, {}); the world ends at 1e18", i, p.x, p.y, p.z));
+      fail(fmt::format("vertex {} is at ({}, {}, {}); the world ends at {:g}", i, p.x, p.y, p.z,
+                       kEndOfWorld));
     }
   }
   check_count(mesh.uvs.size(), "uvs");
@@ -67,6 +72,17 @@ void CheckMaterial(const Scene& scene, std::size_t index, const std::string& pat
   }
 }
 
+void CheckSize(const Bounds& bounds, const std::string& path) {
+  const glm::vec3 sides = bounds.high - bounds.low;
+  const float size = std::max({sides.x, sides.y, sides.z});
+  if (size == 0 || size >= kSmallestWorld) return;  // no ray meets a point
+  throw InputError(
+      InputPosition::File(path),
+      fmt::format("the scene is {} wide, too little for the digits of floats: scale it, "
+                  "for example to a width of 1 (the least is {:g})",
+                  size, kSmallestWorld));
+}
+
 }  // namespace
 
 void CheckMeshes(const Scene& scene, const std::string& path) {
@@ -84,15 +100,16 @@ void CheckMeshes(const Scene& scene, const std::string& path) {
         glm::length(box.high) <= kEndOfWorld) {
       continue;
     }
-    throw InputError(
-        InputPosition::File(path),
-        fmt::format("an instance reaches from ({}, {}, {}) to ({}, {}, {}); the world "
-                    "ends at 1e18",
-                    box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z));
+    throw InputError(InputPosition::File(path),
+                     fmt::format("an instance reaches from ({}, {}, {}) to ({}, {}, {}); the world "
+                                 "ends at {:g}",
+                                 box.low.x, box.low.y, box.low.z, box.high.x, box.high.y,
+                                 box.high.z, kEndOfWorld));
   }
   if (triangles == 0 && scene.environments.empty()) {
     throw InputError(InputPosition::File(path), "there is no triangle to render");
   }
+  if (triangles != 0) CheckSize(SceneBounds(scene, path), path);
   if (scene.materials.size() > kMaterialMask || triangles >= kMaxRecords) {
     throw InputError(InputPosition::File(path),
                      fmt::format("{} materials and {} triangles are more than a scene can hold",

@@ -102,7 +102,7 @@ void AppendTriangle(const Mesh& mesh, bool one_sided, glm::uvec3 corners,
                     std::uint32_t first_vertex, const TriangleColumns& columns,
                     GeometryTables& tables) {
   tables.triangles.push_back(MakeRecord(mesh, one_sided, corners));
-  for (int i = 0; i < 3; ++i) tables.indices.push_back(first_vertex + corners[i]);
+  for (int i = 0; i < 3; ++i) tables.corners.push_back(first_vertex + corners[i]);
   if (columns.uvs) tables.textures.uvs.push_back(MakeTriangleUvs(mesh, corners));
   if (columns.tangents) tables.tangents.push_back(PackTangent(mesh, corners));
   for (int i = 0; columns.colors && i < 3; ++i) {
@@ -152,7 +152,7 @@ void AddMeshes(const Scene& scene, std::span<const Mesh* const> meshes,
   }
   if (columns.uvs) tables.textures.uvs.reserve(triangles);
   tables.vertices.reserve(vertices * 3 + 1);
-  tables.indices.reserve(triangles * 3);
+  tables.corners.reserve(triangles * 3 + 1);
   tables.triangles.reserve(triangles);
   std::size_t first = scene.meshes.size();
   AddSpan(scene, meshes, 0, first, columns, tables);
@@ -161,7 +161,7 @@ void AddMeshes(const Scene& scene, std::span<const Mesh* const> meshes,
     AddSpan(scene, meshes, first, object.meshes.size(), columns, tables);
     first += object.meshes.size();
   }
-  tables.vertices.push_back(0);  // Embree reads vertices four floats at a time
+  tables.vertices.push_back(0);  // Embree reads vertices four floats at a time, as kernels do
 }
 
 // ---- Instances ----
@@ -179,14 +179,18 @@ double LargestRow(const glm::dmat3& m, const glm::dvec3& v) {
 
 // `reach` has the largest coordinates of the object's vertices on each axis.
 InstanceRecord MakeInstanceRecord(const glm::dmat4x3& to, const glm::dvec3& reach) {
-  const glm::dmat3 linear(to[0], to[1], to[2]), inverse = glm::inverse(linear);
+  const glm::dmat3 linear(to[0], to[1], to[2]);
   InstanceRecord record = {};
   for (int row = 0; row < 3; ++row) {
-    // Row i of the inverse transpose is column i of the inverse.
-    for (int c = 0; c < 3; ++c) record.normal[3 * row + c] = float(inverse[row][c]);
+    for (int c = 0; c < 3; ++c) record.linear[3 * row + c] = float(linear[c][row]);
+    record.translation[row] = float(to[3][row]);
   }
   const glm::dvec3 offset = glm::abs(to[3]);
-  record.extent = float(LargestRow(linear, reach) + std::max({offset.x, offset.y, offset.z}));
+  const double extent = LargestRow(linear, reach) + std::max({offset.x, offset.y, offset.z});
+  record.extent = float(4 * extent);
+  const double scale = LargestRow(linear, glm::dvec3(1));
+  record.scale = float(scale);
+  record.cofactors = float((glm::determinant(linear) < 0 ? -1 : 1) / (scale * scale));
   return record;
 }
 
@@ -228,6 +232,7 @@ void AppendVariant(std::uint32_t i, std::uint32_t material, GeometryTables& tabl
   const auto repeat = [&](auto& column, std::size_t from) {
     column.push_back(std::decay_t<decltype(column[0])>(column[from]));
   };
+  for (std::size_t c = 0; c < 3; ++c) repeat(tables.corners, 3 * std::size_t{i} + c);
   if (!tables.textures.uvs.empty()) repeat(tables.textures.uvs, i);
   if (!tables.tangents.empty()) repeat(tables.tangents, i);
   for (std::size_t c = 0; !tables.vertex_colors.empty() && c < 3; ++c) {
@@ -305,7 +310,7 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
     if ((tag & kMixedTriangle) != 0 || !texture) continue;
     const std::uint32_t triangle = tables.TriangleOf(record);
     const MeshPlace& place = tables.PlaceOf(triangle);
-    const std::uint32_t* const corners = &tables.indices[3 * std::size_t{triangle}];
+    const std::uint32_t* const corners = &tables.corners[3 * std::size_t{triangle}];
     const Mesh& mesh = *meshes[place.mesh];
     const glm::uvec3 local = glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex;
     const Texture& map = scene.textures[*texture];
@@ -396,6 +401,7 @@ GeometryTables MakeGeometryTables(const Scene& scene, const std::string& path, b
   AddMeshes(scene, meshes, ColumnsOf(scene, meshes, keep_uvs || textured), tables);
   AddInstances(scene, tables);
   AddVariants(scene, path, tables);
+  tables.corners.push_back(0);  // kernels read them four words at a time
   AddNormalMaps(scene, meshes, tables);
   AddMaterials(scene, tables);
   return tables;
@@ -430,7 +436,7 @@ std::size_t GeometryTables::bytes() const {
   const auto bytes_of = [](const auto&... table) {
     return (... + (table.size() * sizeof table[0]));
   };
-  return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, vertex_alphas,
+  return bytes_of(vertices, corners, triangles, materials, tangents, vertex_colors, vertex_alphas,
                   mixed, measured, coats, dielectrics, normal_maps, map_axes, map_slopes, opacity,
                   instances, instance_records, places.first) +
          textures.bytes();

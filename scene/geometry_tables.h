@@ -32,7 +32,7 @@ struct MeshPlace {
 // material is a mixture (kMixedTriangle). A table that no kernel reads in a scene is empty or null.
 struct GeometryTables {
   std::vector<float> vertices;         // xyz in the space of the mesh, one float of padding
-  std::vector<std::uint32_t> indices;  // three per triangle
+  std::vector<std::uint32_t> corners;  // three vertices per record, one word of padding
   std::vector<MeshPlace> meshes;       // all meshes, in the order of their triangles
   std::uint32_t meshes_in_world = 0;   // of `meshes`; the others are in objects
   std::vector<TriangleSpan> spans;     // of the world, then of each object
@@ -64,7 +64,7 @@ struct GeometryTables {
   TextureTables textures;
 
   std::size_t vertex_count() const { return vertices.size() / 3; }
-  std::size_t triangle_count() const { return indices.size() / 3; }
+  std::size_t triangle_count() const { return triangles.size() - mixed.size(); }
   bool has_alpha() const;  // whether rays may pass through some triangle
   // Returns the triangle that a record is of: itself, or the one that it is a variant of.
   std::uint32_t TriangleOf(std::uint32_t record) const;

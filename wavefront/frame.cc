@@ -72,8 +72,19 @@ float PixelSize(const CameraView& camera, float distance) {
   return 0;
 }
 
+namespace {
+
+// Returns how far along `axis` the plane of a film at `from` can move without passing a surface.
+double DistanceTo(const SceneSphere& sphere, const glm::dvec3& from, const glm::dvec3& axis) {
+  const glm::dvec3 center(sphere.center[0], sphere.center[1], sphere.center[2]);
+  const glm::dvec3 forward = glm::normalize(axis);
+  return std::max(glm::dot(center - from, forward) - double(sphere.radius), 0.0);
+}
+
+}  // namespace
+
 CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
-                          const std::optional<CropWindow>& crop) {
+                          const std::optional<CropWindow>& crop, const SceneSphere* around) {
   const glm::dmat4 world(camera.world_from_camera);
   const glm::dvec3 x(world[0]), y(world[1]), z(world[2]);
   const CropWindow part = WholeBlocks(crop.value_or(CropWindow{0, 0, width, height}));
@@ -112,7 +123,13 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
       top = 0.5 * (unit * (double(w.top) + w.bottom) + pixel_y * height);
     }
   }
-  const glm::dvec3 middle = perspective ? z : glm::dvec3(world[3]);
+  glm::dvec3 middle = z;
+  if (!perspective) {
+    middle = glm::dvec3(world[3]);
+    if (around != nullptr && camera.lens_radius == 0) {
+      middle += glm::normalize(z) * DistanceTo(*around, middle, z);
+    }
+  }
   Copy(glm::vec3(middle + x * left + y * top), view.corner);
   Copy(glm::vec3(x * pixel_x), view.right);
   Copy(glm::vec3(-y * pixel_y), view.down);

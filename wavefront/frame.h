@@ -148,8 +148,11 @@ float PixelAngle(const CameraView& camera);
 float PixelSize(const CameraView& camera, float distance);
 
 // `width` and `height` are those of the whole film [pixels], of which `crop` is rendered, or all if
-// it is unset. `filter_offset` must outlive the view.
+// it is unset. `filter_offset` must outlive the view. Rays of an orthographic camera without a lens
+// begin no farther away than a sphere around the scene, if there is one: their hits are then as
+// exact as those of a camera that stands there.
 CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
-                          const std::optional<CropWindow>& crop = std::nullopt);
+                          const std::optional<CropWindow>& crop = std::nullopt,
+                          const SceneSphere* around = nullptr);
 
 }  // namespace skywave

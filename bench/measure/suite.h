@@ -26,8 +26,8 @@ struct SuiteScene {
   std::string_view name;
   int width, height;
   std::uint32_t samples_per_pixel;
-  Fingerprint expected;  // with the hash that processors of AMD find
-  std::uint64_t intel_hash;
+  Fingerprint expected;        // with the hash that processors of Intel find
+  std::uint64_t amd_hash = 0;  // 0: no processor of AMD has rendered the picture yet
 };
 // The quick suite takes under a minute on two cores, the full one some minutes.
 std::span<const SuiteScene> SuiteScenes(bool full);

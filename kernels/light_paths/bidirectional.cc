@@ -275,7 +275,8 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
         Gather3(v.org_x, v.org_y, v.org_z, row) - Load3(s.org_x + i, s.org_y + i, s.org_z + i);
     const VF reach = hn::Sqrt(hn::Max(Dot(offset, offset), Set(1e-30f)));
     Store3(offset * (1.0f / reach), to_light.dir_x + i, to_light.dir_y + i, to_light.dir_z + i);
-    Store(IfThen(counts, reach, Set(-1.0f)), to_light.t_far + i);
+    // A ray is shorter by its own error, so that it does not meet the surface that it ends at.
+    Store(IfThen(counts, reach * (1 - 0x1p-20f), Set(-1.0f)), to_light.t_far + i);
   }
 }
 

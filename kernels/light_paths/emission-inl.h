@@ -33,9 +33,8 @@ HWY_INLINE void DiskPlace(const SceneSphere& sphere, const V3& towards, const V3
   DiscUniforms(Dot(frame.s, from_center) * inverse, Dot(frame.t, from_center) * inverse, u, v);
 }
 
-// Moves the origin of a ray that begins in front of the sphere to where the ray enters the box. The
-// error of a hit, and the lift off its surface (PrepareSurfaces), grow with the length of the ray:
-// on a wide floor the lift would be a hundredth of the objects that stand there.
+// Moves the origin of a ray that begins in front of the sphere to where the ray enters the box. A
+// hit is found on its triangle (u and v) as exactly as the ray is short.
 HWY_INLINE V3 EnterBox(const SceneSphere& sphere, const V3& org, const V3& dir) {
   const auto entry = [](VF from, VF along, float low, float high) HWY_ATTR {
     const VF speed = hn::CopySign(hn::Max(hn::Abs(along), Set(1e-20f)), along);

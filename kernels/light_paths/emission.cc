@@ -8,6 +8,7 @@
 #include "hwy/highway.h"
 #include "kernels/light_paths/emission-inl.h"
 #include "kernels/lights/local_lights-inl.h"
+#include "kernels/surface/lift-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -81,8 +82,7 @@ HWY_INLINE Emitted EmitFromTriangles(const LightLanes& light, VF probability,
   const V3 cross = Normalize(Cross(axis, edge));
   normal = IfThen(back, -cross, cross);
   const V3 local = CosineHemisphere(u, IfThen(two_sided, twice, v));
-  // The origin is lifted as those of surfaces are (kernels/surface/surface.cc).
-  const V3 org = point + normal * (LargestCoordinate(point) * (0x1p-16f));
+  const V3 org = point + normal * LiftOff(LargestCoordinate(point), axis, edge);
   const VF share = IfThen(two_sided, half, one);
   const VF light_pdf = probability / light.area();
   const VF direction_pdf = local.z * kInvPi * share;

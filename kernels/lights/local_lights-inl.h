@@ -94,10 +94,6 @@ HWY_INLINE TrianglePoint PointOf(VF x, VF y) {
   return {1.0f - root, y * root};
 }
 
-HWY_INLINE VF LargestCoordinate(const V3& p) {
-  return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
-}
-
 // Returns 1 inside the inner cone, 0 outside the outer one, and the light's curve between them.
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
   return CurveOfSpot((cosine - light.Number(12)) * light.Number(13), light.Word(14));

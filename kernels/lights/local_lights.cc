@@ -8,6 +8,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/lights/local_lights-inl.h"
+#include "kernels/surface/lift-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -60,12 +61,13 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     const VF falloff = SpotFalloff(light, -Dot(axis, dir));
     worth = IfThen(spot, intensity_worth * falloff, worth);
   }
-  // The slack is the error of a hit's position, as surfaces are lifted by
-  // (kernels/surface/surface.cc), and how much nearer an origin can come that is moved through its
-  // surface.
-  const VF known = (LargestCoordinate(point) + distance) * (0x1p-16f);
-  const VF slack = known + (lift + lift);
-  VF reach = distance - slack;
+  // A ray ends before the light: by the error of its own length, by how much nearer an origin can
+  // come that is moved through its surface, and by the error of where a light with a surface is
+  // (LiftOff), which counts for more along a ray that grazes it.
+  const VF own = hn::IfThenElseZero(triangle, LiftOff(LargestCoordinate(point), axis, edge));
+  const VF rounding = distance * 0x1p-19f;
+  const VF grazing = IfThen(triangle, hn::Max(cosine, Set(1.0f / 256)), one);
+  VF reach = distance - (own + rounding) / grazing - (lift + lift);
   const MF distant = light.Is(LocalLightKind::kDistant);
   if (!hn::AllFalse(F(), distant)) {
     dir = IfThen(distant, axis, dir);

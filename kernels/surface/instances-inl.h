@@ -26,39 +26,36 @@ class InstanceLanes {
   HWY_INLINE VF Word(std::size_t word) const {
     return Gather(words_, at_ + SetU(std::uint32_t(word)));
   }
-  // Returns row 0, 1 or 2 of the inverse transpose of the matrix.
+  // Returns row 0, 1 or 2 of the matrix.
   HWY_INLINE V3 Row(std::size_t row) const {
-    const std::size_t first = SKYWAVE_WORD(InstanceRecord, normal) + 3 * row;
+    const std::size_t first = SKYWAVE_WORD(InstanceRecord, linear) + 3 * row;
     return {Word(first), Word(first + 1), Word(first + 2)};
   }
-  // Returns a normal of the object in the world, of another length.
-  HWY_INLINE V3 Normal(const V3& n) const {
-    return {Dot(Row(0), n), Dot(Row(1), n), Dot(Row(2), n)};
+  // Returns a point of the object in the world.
+  HWY_INLINE V3 Point(const V3& p) const {
+    const std::size_t first = SKYWAVE_WORD(InstanceRecord, translation);
+    return V3{Dot(Row(0), p), Dot(Row(1), p), Dot(Row(2), p)} +
+           V3{Word(first), Word(first + 1), Word(first + 2)};
   }
-  // Returns a direction in the object as a unit vector of the world, reversed if the instance
-  // mirrors: no BSDF depends on that, and objects with normal maps have no such instance
-  // (scene/instances.h).
+  // Returns a normal of the object in the world, of another length (NormalInWorld).
+  HWY_INLINE V3 Normal(const V3& n) const {
+    const V3 r0 = Row(0), r1 = Row(1), r2 = Row(2);
+    const VF factor = Word(SKYWAVE_WORD(InstanceRecord, cofactors));
+    return V3{Dot(Cross(r1, r2), n), Dot(Cross(r2, r0), n), Dot(Cross(r0, r1), n)} * factor;
+  }
+  // Returns a direction in the object as a unit vector of the world.
   HWY_INLINE V3 Direction(const V3& d) const {
-    const Rows m = Matrix();
-    return Normalize({Dot(m.r0, d), Dot(m.r1, d), Dot(m.r2, d)});
+    return Normalize({Dot(Row(0), d), Dot(Row(1), d), Dot(Row(2), d)});
   }
   // Returns the area in the object of an area of 1 in the world with the unit normal n, which is
   // |M^T n| / |det M| (Nanson's formula).
   HWY_INLINE VF AreaInObject(const V3& n) const {
-    const Rows m = Matrix();
-    const V3 back = m.r0 * n.x + m.r1 * n.y + m.r2 * n.z;
-    return hn::Sqrt(Dot(back, back));
+    const V3 r0 = Row(0), r1 = Row(1), r2 = Row(2);
+    const V3 back = r0 * n.x + r1 * n.y + r2 * n.z;
+    return hn::Sqrt(Dot(back, back)) / hn::Abs(Dot(r0, Cross(r1, r2)));
   }
 
  private:
-  struct Rows {
-    V3 r0, r1, r2;
-  };
-  // Returns the matrix over its determinant: the cofactors of its inverse transpose.
-  HWY_INLINE Rows Matrix() const {
-    const V3 r0 = Row(0), r1 = Row(1), r2 = Row(2);
-    return {Cross(r1, r2), Cross(r2, r0), Cross(r0, r1)};
-  }
   const float* words_;
   VU at_;
 };

@@ -9,23 +9,36 @@
 #include "kernels/simd/exp-inl.h"
 #include "kernels/simd/records-inl.h"
 #include "kernels/surface/instances-inl.h"
+#include "kernels/surface/lift-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
+// The corners of a triangle of each lane, in the space of its mesh.
+struct Corners {
+  V3 p0, p1, p2;
+};
+HWY_INLINE V3 GatherPosition(const float* positions, VU row) {
+  const Words4 words =
+      GatherWords4(reinterpret_cast<const std::uint32_t*>(positions), row + row + row);
+  return {AsFloat(words.w0), AsFloat(words.w1), AsFloat(words.w2)};
+}
+HWY_INLINE Corners GatherCorners(const TriangleTables& triangles, VU record) {
+  const Words4 rows = GatherWords4(triangles.corners, record + record + record);
+  return {GatherPosition(triangles.positions, rows.w0),
+          GatherPosition(triangles.positions, rows.w1),
+          GatherPosition(triangles.positions, rows.w2)};
+}
+
 template <bool kInstanced>
-HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecord* materials,
-                            const InstanceRecord* instances, std::uint32_t n,
-                            const SurfaceColumns& s) {
-  const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
+HWY_INLINE void PrepareRows(const TriangleTables& tables, const MaterialRecord* materials,
+                            std::uint32_t n, const SurfaceColumns& s) {
+  const auto* words = reinterpret_cast<const std::uint32_t*>(tables.records);
   const auto* material_words = reinterpret_cast<const std::uint32_t*>(materials);
-  // A hit is accurate to some 2^-22 of the coordinates it was computed from, including the
-  // distance; origins are lifted by sixty-four times that.
-  const VF lift_scale = Set(0x1p-16f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i)));
-    const Words4 triangle = GatherWords4(words, record);
+    const VU record = hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i));
+    const Words4 triangle = GatherWords4(words, hn::ShiftLeft<2>(record));
     const V3 n0 = DecodeNormal(triangle.w0), n1 = DecodeNormal(triangle.w1),
              n2 = DecodeNormal(triangle.w2);
     const VU tag = triangle.w3;
@@ -39,7 +52,7 @@ HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecor
     const VF w = 1.0f - u - v;
     V3 between = n0 * w + n1 * u + n2 * v;
     if constexpr (kInstanced) {
-      between = InstanceLanes(instances, s, i, RowsBelow(i, n)).Normal(between);
+      between = InstanceLanes(tables.instances, s, i, RowsBelow(i, n)).Normal(between);
     }
     const V3 smooth = Normalize(between);
     V3 ns = IfThen(back, -smooth, smooth);
@@ -49,16 +62,18 @@ HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecor
     const MF flat = hn::RebindMask(F(), hn::TestBit(tag, SetU(kFlatTriangle)));
     ns = IfThen(hn::AndNot(flat, usable), ns, ng);
 
-    const VF t = Load(s.t + i);
-    const V3 origin = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
-    const V3 hit = origin - wo * t;
-    VF extent = hn::Max(hn::Max(hn::Abs(hit.x), hn::Abs(hit.y)), hn::Abs(hit.z));
-    VF lift = (extent + t) * lift_scale;
+    // The point comes from the corners and not from the ray, whose length it would lose digits by.
+    const auto [p0, p1, p2] = GatherCorners(tables, record);
+    V3 hit = p0 * w + p1 * u + p2 * v, a = p1 - p0, b = p2 - p0;
+    VF extent = LargestCoordinate(hit);
     if constexpr (kInstanced) {
-      const InstanceLanes instance(instances, s, i, RowsBelow(i, n));
-      extent = hn::Max(extent, instance.Word(SKYWAVE_WORD(InstanceRecord, extent)));
-      lift = (extent + t) * lift_scale;
+      const InstanceLanes instance(tables.instances, s, i, RowsBelow(i, n));
+      hit = instance.Point(hit);
+      const VF scale = instance.Word(SKYWAVE_WORD(InstanceRecord, scale));
+      a = a * scale, b = b * scale;
+      extent = hn::Max(LargestCoordinate(hit), instance.Word(SKYWAVE_WORD(InstanceRecord, extent)));
     }
+    const VF lift = LiftOff(extent, a, b);
     const V3 lifted = hit + ng * lift;
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
@@ -75,14 +90,13 @@ HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecor
   }
 }
 
-void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     const InstanceRecord* instances, std::uint32_t n, const SurfaceColumns& s) {
-  PrepareRows<false>(triangles, materials, instances, n, s);
+void PrepareSurfaces(const TriangleTables& triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& s) {
+  PrepareRows<false>(triangles, materials, n, s);
 }
-void PrepareInstancedSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                              const InstanceRecord* instances, std::uint32_t n,
-                              const SurfaceColumns& s) {
-  PrepareRows<true>(triangles, materials, instances, n, s);
+void PrepareInstancedSurfaces(const TriangleTables& triangles, const MaterialRecord* materials,
+                              std::uint32_t n, const SurfaceColumns& s) {
+  PrepareRows<true>(triangles, materials, n, s);
 }
 
 void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instances,
@@ -133,13 +147,12 @@ HWY_EXPORT(PrepareInstancedSurfaces);
 HWY_EXPORT(PrepareTangents);
 HWY_EXPORT(AbsorbInside);
 
-void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     const InstanceRecord* instances, std::uint32_t n,
-                     const SurfaceColumns& surfaces) {
-  if (instances != nullptr) {
-    HWY_DYNAMIC_DISPATCH(PrepareInstancedSurfaces)(triangles, materials, instances, n, surfaces);
+void PrepareSurfaces(const TriangleTables& triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& surfaces) {
+  if (triangles.instances != nullptr) {
+    HWY_DYNAMIC_DISPATCH(PrepareInstancedSurfaces)(triangles, materials, n, surfaces);
   } else {
-    HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, instances, n, surfaces);
+    HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, n, surfaces);
   }
 }
 

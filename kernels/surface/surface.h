@@ -8,12 +8,19 @@
 
 namespace skywave {
 
+// The tables that say what a triangle is; those of corners have a word of padding at their end.
+struct TriangleTables {
+  const TriangleRecord* records;
+  const std::uint32_t* corners;     // by record, three rows of `positions`
+  const float* positions;           // xyz in the space of the mesh
+  const InstanceRecord* instances;  // null: there are no instances
+};
+
 // Fills the second block of rows [0, n) of `surfaces` from the first one (see SurfaceColumns):
-// normals are interpolated and turned to wo's side, points lifted off the surface, colours read.
-// `materials` is a table of MaterialRecord; `instances` is null in scenes without instances.
-void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     const InstanceRecord* instances, std::uint32_t n,
-                     const SurfaceColumns& surfaces);
+// points are interpolated and lifted off the surface, normals interpolated and turned to wo's side,
+// colours read.
+void PrepareSurfaces(const TriangleTables& triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal), in the
 // space of its mesh; its projection onto the surface is the tangent, or the frame's own first axis

@@ -271,7 +271,7 @@ TEST_F(Cli, BadInputIsReportedAndLeavesNoFile) {
       {"render scene.pbrt --integrator vcm --progressive-alpha 2",
        kExitUsage,
        {"--progressive-alpha"}},
-      {"render far.ply --env map.exr --integrator bdpt", kExitBadInput, {"vertex 1", "1e18"}},
+      {"render far.ply --env map.exr --integrator bdpt", kExitBadInput, {"vertex 1", "1e+09"}},
       {"paths scene.pbrt --integrator vcm", kExitUsage, {"--integrator", "bdpt"}},
       {"paths scene.pbrt --paths 1,2", kExitUsage, {"--paths", "every way"}},
       {"paths scene.pbrt -o techniques.png", kExitUsage, {"techniques.png", ".exr"}},

@@ -39,9 +39,9 @@ class RenderStop : public Program {
 
 constexpr char kPicture[] = "render spheres --size 160x120 --spp 150 --aovs albedo ";
 
-TEST_F(RenderStop, SigtermAndSigintSaveACheckpointToResume) {
+TEST_F(RenderStop, SignalsToEndSaveACheckpointToResume) {
   ASSERT_EQ(Run(std::string(kPicture) + "-o whole.exr -q").exit_code, 0);
-  for (const std::string signal : {"TERM", "INT"}) {
+  for (const std::string signal : {"TERM", "INT", "HUP"}) {
     SCOPED_TRACE(signal);
     const std::string command = std::string(kPicture) + "-o " + signal + ".exr ";
     EXPECT_EQ(RunAnd(command + "--checkpoint 0 --threads 1", "kill -" + signal + " $pid"),
@@ -62,7 +62,7 @@ TEST_F(RenderStop, SigtermAndSigintSaveACheckpointToResume) {
     EXPECT_TRUE(Bytes(signal + ".png") == Bytes("whole.png"));
   }
   EXPECT_EQ(Files(), (std::set<std::string>{"whole.exr", "whole.png", "TERM.exr", "TERM.png",
-                                            "INT.exr", "INT.png"}));
+                                            "INT.exr", "INT.png", "HUP.exr", "HUP.png"}));
 }
 
 TEST_F(RenderStop, ASecondSignalOfEitherKindEndsTheProcess) {

@@ -239,7 +239,7 @@ TEST(NormalMaps, RowsWithoutAMapStayAndBitsDoNotDependOnTarget) {
       Put(ng, i, s.ng_x, s.ng_y, s.ng_z);
       Put(random.DirectionAbout(ng), i, s.wo_x, s.wo_y, s.wo_z);
     }
-    PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, kFullWave, s);
+    PrepareSurfaces(geometry.triangle_tables(), geometry.materials().records, kFullWave, s);
     if (maps) BendNormals(geometry.textures(), geometry.normal_maps(), 0.01f, n, s);
     std::vector<float> values;
     for (std::uint32_t i = 0; i < kFullWave; ++i) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tests/support/random_rows.h"
 #include "tests/support/targets.h"
@@ -47,16 +48,30 @@ std::vector<Vec> Normals() {
 }
 
 struct Rows {
-  explicit Rows(std::uint32_t n) : surfaces(n), triangles(n), materials(4) {
+  explicit Rows(std::uint32_t n)
+      : surfaces(n), triangles(n), corners(3 * n + 1), positions(9 * n + 1), materials(4) {
+    std::iota(corners.begin(), corners.end(), 0u);
     for (std::uint32_t m = 0; m < 4; ++m) {
       for (int c = 0; c < 3; ++c) materials[m].color[c] = 0.1f * float(m) + 0.01f * float(c);
     }
   }
   void Prepare(std::uint32_t n) {
-    PrepareSurfaces(triangles.data(), materials.data(), nullptr, n, surfaces);
+    PrepareSurfaces({triangles.data(), corners.data(), positions.data(), instances},
+                    materials.data(), n, surfaces);
+  }
+  void PutCorner(std::uint32_t triangle, std::size_t corner, Vec p) {
+    float* const to = &positions[9 * std::size_t{triangle} + 3 * corner];
+    to[0] = float(p.x), to[1] = float(p.y), to[2] = float(p.z);
+  }
+  Vec Corner(std::uint32_t triangle, std::size_t corner) const {
+    const float* const p = &positions[9 * std::size_t{triangle} + 3 * corner];
+    return {p[0], p[1], p[2]};
   }
   soa::Table<SurfaceColumns> surfaces;
   std::vector<TriangleRecord> triangles;
+  std::vector<std::uint32_t> corners;
+  std::vector<float> positions;
+  const InstanceRecord* instances = nullptr;
   std::vector<MaterialRecord> materials;
 };
 
@@ -94,8 +109,8 @@ TEST(EncodeNormal, KeepsTheAxes) {
 class PreparedRows : public testing::Test {
  protected:
   struct Hit {
-    Vec wo, wound, corner[3], origin;
-    double u, v, t;
+    Vec wo, wound, corner[3];
+    double u, v;
     bool flat;
     std::uint32_t material;
   };
@@ -111,9 +126,12 @@ class PreparedRows : public testing::Test {
         rows_.triangles[i].normal[&corner - hit.corner] = packed;
         corner = Decode(packed);
       }
+      const Vec middle = random.Between(0, 1000) * random.Direction();
+      const double size = std::pow(10, random.Between(-3, 3));
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        rows_.PutCorner(i, corner, middle + size * random.Direction());
+      }
       hit.u = random.Between(0, 1), hit.v = random.Between(0, 1 - hit.u);
-      hit.t = std::pow(10, random.Between(-3, 4));
-      hit.origin = random.Between(0, 1000) * random.Direction();
       hit.flat = i % 5 == 0;
       hit.material = random.Word() % 4;
       rows_.triangles[i].tag = hit.material | (hit.flat ? kFlatTriangle : 0) | 2u << kKindShift;
@@ -127,8 +145,7 @@ class PreparedRows : public testing::Test {
       const Hit& hit = hits_[i];
       Put(hit.wo, i, s.wo_x, s.wo_y, s.wo_z);
       Put(hit.wound, i, s.ng_x, s.ng_y, s.ng_z);
-      Put(hit.origin, i, s.org_x, s.org_y, s.org_z);
-      s.u[i] = float(hit.u), s.v[i] = float(hit.v), s.t[i] = float(hit.t);
+      s.u[i] = float(hit.u), s.v[i] = float(hit.v);
       s.triangle[i] = i;
     }
   }
@@ -182,27 +199,55 @@ TEST_F(PreparedRows, MatchTheReference) {
   });
 }
 
-// The origin of outgoing rays lies in front of the hit's plane: by more than the error of the hit,
-// but by little relative to the distance. Two lifts below the origin is the other side.
-TEST_F(PreparedRows, OriginsAreLiftedToTheSideOfTheEye) {
+// Origins of outgoing rays are means of the corners, whatever ray has found them, lifted along the
+// normal to the eye's side by more than their rounding.
+TEST_F(PreparedRows, OriginsAreOnTheTriangleLiftedToTheSideOfTheEye) {
   Load(kFullWave);
   rows_.Prepare(kFullWave);
   const SurfaceColumns& s = rows_.surfaces;
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
-    const Hit& hit = hits_[i];
-    const Vec point = Get(i, s.org_x, s.org_y, s.org_z);
-    const Vec exact = hit.origin - double(s.t[i]) * hit.wo;
+    const Vec p0 = rows_.Corner(i, 0), p1 = rows_.Corner(i, 1), p2 = rows_.Corner(i, 2);
+    const double u = s.u[i], v = s.v[i];
+    const Vec exact = (1 - u - v) * p0 + u * p1 + v * p2;
+    const double rounding =
+        3e-7 * std::max({LargestCoordinate(p0), LargestCoordinate(p1), LargestCoordinate(p2)});
+    const Vec off = Get(i, s.org_x, s.org_y, s.org_z) - exact;
     const Vec ng = Get(i, s.ng_x, s.ng_y, s.ng_z);
-    const double height = Dot(point - exact, ng), scale = hit.t + Length(exact);
-    const double rounding = 4e-7 * (hit.t + Length(hit.origin));
-    ASSERT_GT(s.lift[i], 0);
-    ASSERT_NEAR(height, s.lift[i], rounding) << "row " << i;
-    // A hit computed from far away is less accurate.
-    ASSERT_GT(height, 4 * rounding * std::min(1.0, scale / (hit.t + Length(hit.origin))))
-        << "row " << i;
-    ASSERT_LT(s.lift[i], 1e-4 * scale);
-    ASSERT_LT(Dot(point - 2.0 * double(s.lift[i]) * ng - exact, ng), 0);
-    ASSERT_LT(Length(point - exact - height * ng), rounding) << "lifted along the normal only";
+    ASSERT_LT(Length(off - double(s.lift[i]) * ng), rounding) << "row " << i;
+    const double lift = Lift(LargestCoordinate(exact), p1 - p0, p2 - p0);
+    ASSERT_NEAR(s.lift[i], lift, 1e-3 * lift) << "row " << i;
+  }
+}
+
+// Corners of an object are taken to the world by the matrix of its instance, and edges count by the
+// factor that they grow by.
+TEST_F(PreparedRows, OriginsOnInstancesAreInTheWorld) {
+  InstanceRecord records[2] = {};
+  for (int axis = 0; axis < 3; ++axis) records[0].linear[4 * axis] = 1;
+  records[0].scale = records[0].cofactors = 1;
+  records[1] = {.linear = {0, -3, 0, 2, 0, 0, 0, 0, 5},
+                .translation = {7, 8, -9},
+                .extent = 4e4f,
+                .scale = 5,
+                .cofactors = 1.0f / 25,
+                .unused = 0};
+  rows_.instances = records;
+  Load(kFullWave);
+  const SurfaceColumns& s = rows_.surfaces;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) s.instance[i] = i % 2;
+  rows_.Prepare(kFullWave);
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const Vec p0 = rows_.Corner(i, 0), p1 = rows_.Corner(i, 1), p2 = rows_.Corner(i, 2);
+    const double u = s.u[i], v = s.v[i], grown = i % 2 == 0 ? 1 : 5;
+    const Vec in_object = (1 - u - v) * p0 + u * p1 + v * p2;
+    const Vec moved = {-3 * in_object.y + 7, 2 * in_object.x + 8, 5 * in_object.z - 9};
+    const Vec exact = i % 2 == 0 ? in_object : moved;
+    const double extent = i % 2 == 0 ? LargestCoordinate(exact) : 4e4;
+    const double lift = Lift(extent, grown * (p1 - p0), grown * (p2 - p0));
+    ASSERT_NEAR(s.lift[i], lift, 1e-3 * lift) << "row " << i;
+    const Vec off = Get(i, s.org_x, s.org_y, s.org_z) - exact;
+    const Vec ng = Get(i, s.ng_x, s.ng_y, s.ng_z);
+    ASSERT_LT(Length(off - double(s.lift[i]) * ng), 3e-2) << "row " << i;
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "scene/geometry.h"
 #include "scene/instances.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/render_scenes.h"
@@ -211,6 +212,25 @@ TEST(Instances, RotateTheirHighlightsAndReliefs) {
 
 // Rays that leave a surface must not meet it again, however an instance is stretched, however far
 // it is moved, and wherever its object lies in its own space.
+TEST(Instances, NormalsGoToTheWorldByTheInverseTranspose) {
+  const glm::dmat4 turned = glm::rotate(At(3, 4, 5), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
+  for (const glm::dvec3 factors : {glm::dvec3(1, 2, 3), {-1, 1, 1}, {-0.01, -20, -3}}) {
+    const glm::dmat4 place = glm::scale(turned, factors);
+    Scene scene;
+    const std::uint32_t white = AddLambert(scene, "white", glm::vec3(1));
+    scene.objects = {{.name = "ball", .meshes = {Moved(Sphere(1, 4), glm::dmat4(1), white)}}};
+    AddInstance(scene, 0, place);
+    const Geometry geometry(Resolved(scene, InstanceUse::kShare), "scene");
+    ASSERT_EQ(geometry.instance_count(), 1u);
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
+    const auto [x, y, z] =
+        NormalInWorld(geometry.instances()[1], float(normal.x), float(normal.y), float(normal.z));
+    const glm::dvec3 expected = glm::transpose(glm::inverse(glm::dmat3(place))) * normal;
+    const glm::dvec3 found = glm::normalize(glm::dvec3(x, y, z));
+    EXPECT_LT(glm::distance(found, glm::normalize(expected)), 1e-5) << factors.x;
+  }
+}
+
 TEST(Instances, HaveNoShadowsOfTheirOwnRounding) {
   const glm::dmat4 places[] = {
       At(3000, 500, -2000),

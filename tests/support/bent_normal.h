@@ -24,7 +24,7 @@ inline glm::vec3 BentNormal(const Geometry& geometry, const Mesh& mesh, std::uin
   s.ng_x[0] = ng.x, s.ng_y[0] = ng.y, s.ng_z[0] = ng.z;
   s.wo_x[0] = wo.x, s.wo_y[0] = wo.y, s.wo_z[0] = wo.z;
   s.u[0] = place.x, s.v[0] = place.y, s.t[0] = 1, s.triangle[0] = triangle;
-  PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, 1, s);
+  PrepareSurfaces(geometry.triangle_tables(), geometry.materials().records, 1, s);
   BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
   return {s.ns_x[0], s.ns_y[0], s.ns_z[0]};
 }

@@ -204,8 +204,9 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   hit.surface = {&materials_[t.material], wo, ng, ns, back, t.tangent};
   ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
-  const double extent = MaxComponent(glm::abs(hit.point));
-  hit.lift = (extent + query.ray.tfar) * 0x1p-16;
+  const double longest = std::max(glm::length(b - a), glm::length(c - a));
+  const double slimness = longest * longest / glm::length(glm::cross(b - a, c - a));
+  hit.lift = MaxComponent(glm::abs(hit.point)) * 0x1p-20 + longest * slimness * 0x1p-21;
   return true;
 }
 

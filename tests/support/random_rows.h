@@ -28,6 +28,17 @@ inline Vec Cross(Vec a, Vec b) {
 }
 inline double Length(Vec a) { return std::sqrt(Dot(a, a)); }
 inline Vec Unit(Vec a) { return 1 / Length(a) * a; }
+// Returns the lift that LiftOff (kernels/surface/lift-inl.h) documents, in double.
+inline double Lift(double extent, Vec a, Vec b) {
+  const double longest = std::max(Length(a), Length(b));
+  const double slimness = std::min(longest * longest / Length(Cross(a, b)), 256.0);
+  return extent * 0x1p-20 + longest * slimness * 0x1p-21;
+}
+
+inline double LargestCoordinate(Vec p) {
+  return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+}
+
 // Returns the angle between two vectors, exact for small ones too [rad].
 inline double Angle(Vec a, Vec b) { return std::atan2(Length(Cross(a, b)), Dot(a, b)); }
 

@@ -135,7 +135,7 @@ TEST(IntersectLightPathSurfaces, LightOfTheEnvironmentStartsNearby) {
     if (w.surfaces->wo_y[i] < 0.1f) continue;
     const float height = w.surfaces->t[i] * w.surfaces->wo_y[i];
     ASSERT_LT(height, 1.5f) << "row " << i;
-    EXPECT_LT(w.surfaces->lift[i], 0x1p-16f * (200 + 15)) << "row " << i;
+    EXPECT_LT(w.surfaces->lift[i], 0x1p-18f * 400) << "row " << i;
     ++above;
   }
   EXPECT_GT(above, kWave / 8);

@@ -140,11 +140,8 @@ void PlaceHit(const Tracer& tracer, std::uint32_t instance, std::uint32_t& trian
   const std::uint32_t row = InstanceRow(instance);
   triangle += tracer.places->first[row].of_geometry[geom];
   geom = row;
-  const float* const m = tracer.instances[row].normal;
-  const float x = ng_x, y = ng_y, z = ng_z;
-  ng_x = m[0] * x + m[1] * y + m[2] * z;
-  ng_y = m[3] * x + m[4] * y + m[5] * z;
-  ng_z = m[6] * x + m[7] * y + m[8] * z;
+  const auto [x, y, z] = NormalInWorld(tracer.instances[row], ng_x, ng_y, ng_z);
+  ng_x = x, ng_y = y, ng_z = z;
 }
 
 void StoreHit(const Tracer& tracer, RTCRayHit hit, std::uint32_t i, const RayColumns& rays,

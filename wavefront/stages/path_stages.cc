@@ -174,8 +174,8 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   MoveSurfaces(*frame.geometry, rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
   CountHits(n, w.ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
-                  frame.geometry->instances(), w.ranges.total(), w.surfaces);
+  PrepareSurfaces(frame.geometry->triangle_tables(), frame.geometry->materials().records,
+                  w.ranges.total(), w.surfaces);
   TextureSurfaces(frame, end, w.ranges, w.surfaces);
   if (const auto* const known = frame.find<ControlView>(); known != nullptr && known->weighs()) {
     FindControlWeights(known->weights, w.ranges.total(), w.surfaces, w.of<ControlTables>().weights);
