@@ -79,6 +79,9 @@ void CheckStrategy(const EnvStrategy& strategy, const std::string& specification
   }
 }
 
+// Light that is scattered some times is the product of as many factors, and floats end at 1e-38.
+constexpr float kLeastRadiance = 1e-20f;
+
 // A sphere around all surfaces. It is larger than need be by what floats may lose of its disk.
 SceneSphere BoundingSphere(const Bounds& bounds) {
   const glm::vec3 center = 0.5f * (bounds.low + bounds.high);
@@ -88,6 +91,10 @@ SceneSphere BoundingSphere(const Bounds& bounds) {
           .radius = radius + margin,
           .low = {low.x, low.y, low.z},
           .high = {high.x, high.y, high.z}};
+}
+
+float DistanceFromOrigin(const SceneSphere& sphere) {
+  return std::hypot(sphere.center[0], sphere.center[1], sphere.center[2]);
 }
 
 // Returns the seed of the random numbers of a frame of an animation, by the finalizer of SplitMix64
@@ -152,6 +159,11 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
       scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
   map_hash_ = light->hash;
   times_.tables = Time([&] { BuildStrategies(parts, *light); });
+  // Light of a map comes into a closed room through edges alone. Openings that are given let it in.
+  if (has_environment() && map_->map.portals.empty() &&
+      IsClosedAround(geometry().scene(), camera_.origin)) {
+    beside_ = (sphere_.radius + DistanceFromOrigin(sphere_)) * 0x1p-18f;
+  }
 }
 
 void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
@@ -171,6 +183,13 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   const PreparedScene& prepared = parts.prepared();
   local_lights_ = parts.Lamps(request_, light, geometry_);
   brightest_ = std::max(light.brightest, local_lights().brightest());
+  if (brightest_ > 0 && brightest_ < kLeastRadiance) {
+    throw InputError(
+        InputPosition::File(request_.scene),
+        fmt::format("the brightest light has a radiance of {:g}, less than {:g}, of which "
+                    "floats lose the digits: make it brighter, as with --env-intensity",
+                    brightest_, kLeastRadiance));
+  }
   if (Sums(options().aovs, AovSum::kLightGroups)) {
     light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view());
   }
@@ -254,7 +273,8 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
                                          : std::nullopt,
                  .places = geometry().places(),
                  .instances = geometry().instances(),
-                 .one_sided = geometry().has_one_sided() ? geometry().triangles() : nullptr},
+                 .one_sided = geometry().has_one_sided() ? geometry().triangles() : nullptr,
+                 .beside = beside_},
       .sphere = sphere_,
       .filter = {.density = filter_densities_.data(),
                  .radius = options().filter_radius,

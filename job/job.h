@@ -96,6 +96,7 @@ class RenderJob {
   Camera scene_camera_;
   CameraView camera_;
   SceneSphere sphere_;
+  float beside_ = 0;        // Tracer::beside
   float brightest_ = 0;     // channel of map and local lights [scene radiance]
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0, map_hash_ = 0;

@@ -145,7 +145,7 @@ struct SurfaceColumns {
   std::uint32_t* triangle;                            // index into the triangle records
   std::uint32_t* path;                                // row in PathColumns
   std::uint32_t* instance;             // as HitColumns::geom; unset in scenes without instances
-  float *org_x, *org_y, *org_z;        // in: ray origin; out: the hit, lifted by `lift` along ng
+  float *org_x, *org_y, *org_z;        // the hit, lifted by `lift` along ng
   float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
   float *color_r, *color_g, *color_b;  // reflectance at the hit
   // The distance between the hit and org. It is negative where org lies behind the surface, because

@@ -210,9 +210,6 @@ void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_
     rows.Move(hits.v + i, surfaces.v + to);
     rows.Move(hits.triangle + i, surfaces.triangle + to);
     rows.Move(rays.path + i, surfaces.path + to);
-    rows.Move(rays.org_x + i, surfaces.org_x + to);
-    rows.Move(rays.org_y + i, surfaces.org_y + to);
-    rows.Move(rays.org_z + i, surfaces.org_z + to);
     to += rows.count();
   }
 }

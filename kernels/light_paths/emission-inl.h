@@ -33,8 +33,8 @@ HWY_INLINE void DiskPlace(const SceneSphere& sphere, const V3& towards, const V3
   DiscUniforms(Dot(frame.s, from_center) * inverse, Dot(frame.t, from_center) * inverse, u, v);
 }
 
-// Moves the origin of a ray that begins in front of the sphere to where the ray enters the box. A
-// hit is found on its triangle (u and v) as exactly as the ray is short.
+// Moves the origin of a ray that begins in front of the sphere to where the ray enters the box: the
+// shorter the ray, the more exact u and v of its hit.
 HWY_INLINE V3 EnterBox(const SceneSphere& sphere, const V3& org, const V3& dir) {
   const auto entry = [](VF from, VF along, float low, float high) HWY_ATTR {
     const VF speed = hn::CopySign(hn::Max(hn::Abs(along), Set(1e-20f)), along);

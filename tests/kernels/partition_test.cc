@@ -248,9 +248,6 @@ TEST_F(Partition, MovesHits) {
         ExpectMoved(hits_->v, to->v, rows, "v");
         ExpectMoved(hits_->triangle, to->triangle, rows, "triangle");
         ExpectMoved(rays_->path, to->path, rows, "path");
-        ExpectMoved(rays_->org_x, to->org_x, rows, "org_x");
-        ExpectMoved(rays_->org_y, to->org_y, rows, "org_y");
-        ExpectMoved(rays_->org_z, to->org_z, rows, "org_z");
       }
     }
   });

@@ -17,15 +17,22 @@ namespace {
 constexpr double kSampleUnits = 0x1p52, kSignedSampleUnits = 0x1p42;
 constexpr double kHeadroom = 64;  // range of a sample over the brightest texel
 
+// Returns the exponent of the range of a sample. Scenes of usual radiances share one, whatever
+// their map; beyond these the range follows the brightest radiance.
+int RangeExponent(float brightest) {
+  constexpr int kUsual = 20, kLeastUsual = -10;
+  if (!(brightest > 0)) return kUsual;
+  int exponent = 0;
+  std::frexp(brightest * kHeadroom, &exponent);
+  return exponent < kLeastUsual ? exponent : std::max(exponent, kUsual);
+}
+
 }  // namespace
 
 Film::Film(FilmLayout layout)
     : layout_(std::move(layout)),
       sums_(std::size_t(layout_.area.width) * std::size_t(layout_.area.height) * 3) {
-  const float brightest = layout_.brightest_radiance;
-  int exponent = 0;
-  if (brightest > 0) std::frexp(brightest * kHeadroom, &exponent);
-  unit_ = std::ldexp(1 / sample_units(), std::max(exponent, 20));
+  unit_ = std::ldexp(1 / sample_units(), RangeExponent(layout_.brightest_radiance));
   if (layout_.aovs != 0) {
     aovs_.emplace(layout_.aovs, sums_.size() / 3, layout_.world_extent, layout_.light_groups,
                   layout_.has_signs);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 
 #include "kernels/camera.h"
 #include "wavefront/rays/ray_recorder.h"
@@ -255,6 +258,58 @@ void OccludeSeen(const Tracer& tracer, float along, const RayStream& rays, std::
   }
 }
 
+// ---- Edges that rays slip through ----
+
+// Calls trace(ray) with the ray of row i moved beside, one way after the other, until it returns
+// true.
+template <class Trace>
+void TryBeside(const Tracer& tracer, const RayStream& rays, std::uint32_t i, const Trace& trace) {
+  RTCRay ray = SingleRay(rays, i);
+  ray.tfar = std::numeric_limits<float>::infinity();
+  const glm::vec3 origin(ray.org_x, ray.org_y, ray.org_z);
+  const glm::vec3 along(ray.dir_x, ray.dir_y, ray.dir_z);
+  const glm::vec3 other = std::abs(along.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 across = glm::normalize(glm::cross(along, other));
+  const glm::vec3 upward = glm::cross(along, across);
+  for (const glm::vec3& way : {across, upward, -across, -upward, -along}) {
+    const glm::vec3 moved = origin + tracer.beside * way;
+    ray.org_x = moved.x, ray.org_y = moved.y, ray.org_z = moved.z;
+    if (trace(ray)) return;
+  }
+}
+
+// Traces those of rays [0, n) anew that have met nothing.
+void CloseLeaks(const Tracer& tracer, const RayStream& rays, const RayColumns& columns,
+                const HitColumns& hits, std::uint32_t n) {
+  EmbreeQuery query(tracer.scene, /*coherent=*/false);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (hits.geom[i] != kNoHit || !(rays.t_far[i] >= 0)) continue;
+    TryBeside(tracer, rays, i, [&](const RTCRay& ray) {
+      RTCRayHit hit;
+      hit.ray = ray, hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      Intersect1(query, hit);
+      if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+      StoreHit(tracer, hit, i, columns, hits);
+      return true;
+    });
+  }
+}
+
+// Sets t_far of those of rays [0, n) negative that no surface has stopped, though they go to
+// infinity, and that one stops beside.
+void CloseOpenings(const Tracer& tracer, const RayStream& rays, std::uint32_t n) {
+  EmbreeQuery query(tracer.scene, /*coherent=*/false);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (rays.t_far[i] != std::numeric_limits<float>::infinity()) continue;
+    TryBeside(tracer, rays, i, [&](RTCRay ray) {
+      Occluded1(query, ray);
+      if (ray.tfar >= 0) return false;
+      rays.t_far[i] = ray.tfar;
+      return true;
+    });
+  }
+}
+
 void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream& rays,
             std::uint32_t n) {
   if (recorder == nullptr) return;
@@ -264,6 +319,25 @@ void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream
 }
 
 }  // namespace
+
+bool IsClosedAround(RTCScene scene, const float point[3]) {
+  constexpr int kDirections = 1024;
+  const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
+  EmbreeQuery query(scene, /*coherent=*/false);
+  for (int i = 0; i < kDirections; ++i) {
+    // Points of a spherical Fibonacci lattice.
+    const double y = 1 - (2 * i + 1.0) / kDirections, radius = std::sqrt(1 - y * y);
+    RTCRay ray = {};
+    ray.org_x = point[0], ray.org_y = point[1], ray.org_z = point[2];
+    ray.dir_x = float(radius * std::cos(golden_angle * i)), ray.dir_y = float(y);
+    ray.dir_z = float(radius * std::sin(golden_angle * i));
+    ray.tfar = std::numeric_limits<float>::infinity();
+    ray.mask = ~0u;
+    Occluded1(query, ray);
+    if (ray.tfar >= 0) return false;
+  }
+  return true;
+}
 
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
@@ -315,6 +389,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
       }
       break;
   }
+  if (tracer.beside > 0) CloseLeaks(tracer, view, rays, hits, n);
   if (tracer.first_with_alpha && tracer.places == nullptr) {
     NumberTriangles(hits, *tracer.first_with_alpha, n);
   }
@@ -328,6 +403,7 @@ void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uin
   const RayStream view = ShadowStream(surfaces, lights, keys);
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
+  if (tracer.beside > 0) CloseOpenings(tracer, view, n);
 }
 
 void TraceToCamera(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
@@ -350,6 +426,7 @@ void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
     OccludeSeen(tracer, 1, View(rays, keys), n);
   } else {
     TraceOcclusion(tracer, rays, n, keys);
+    if (tracer.beside > 0) CloseOpenings(tracer, View(rays, keys), n);
   }
   for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
 }

@@ -63,7 +63,17 @@ struct Tracer {
   const InstanceRecord* instances = nullptr;
   // The records of all triangles; null: the camera sees both sides of all of them.
   const TriangleRecord* one_sided = nullptr;
+  // Where it is positive, the scene is closed around the camera, and rays that meet nothing have
+  // slipped through an edge that two triangles share, where Embree's tests of both round the other
+  // way. They are traced again from places this far beside, four across their direction, since the
+  // edge may lie along any, and one back, for those that begin on the edge. What is met first
+  // counts.
+  float beside = 0;
 };
+
+// Returns whether none of 1024 directions that cover the sphere leads from a point out of the
+// scene.
+bool IsClosedAround(RTCScene scene, const float point[3]);
 
 // In scenes with alpha `keys` decides, ray by ray, which triangles stop it (DrawRayKeys); else it
 // is null.
