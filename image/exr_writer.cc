@@ -53,7 +53,7 @@ class MemoryOutput : public Imf::OStream {
 bool MayBeHalf(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   const std::string letter = dot == std::string::npos ? name : name.substr(dot + 1);
-  const bool is_color = letter == "R" || letter == "G" || letter == "B";
+  const bool is_color = letter == "R" || letter == "G" || letter == "B" || name == "A";
   for (const std::string_view exact : {"variance.", "half.", "half-variance."}) {
     if (name.starts_with(exact)) return false;
   }

@@ -173,6 +173,15 @@ float ExposureStops(const PhotographicExposure& camera) {
   return float(-std::log2(kSaturation / (kLens * kSpeed)) - ExposureValue100(camera));
 }
 
+std::vector<std::uint8_t> ToBytes(std::span<const float> shares) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(shares.size());
+  for (const float share : shares) {
+    bytes.push_back(std::uint8_t(share > 0 ? std::min(share, 1.0f) * 255 + 0.5f : 0.0f));
+  }
+  return bytes;
+}
+
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping) {
   const double scale = std::exp2(double(mapping.exposure_stops));
   constexpr double kWhite = 1e6;  // keeps infinity from becoming inf / inf

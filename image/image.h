@@ -101,8 +101,14 @@ inline constexpr auto kEnumNames<ExrCompression> =
                                           {ExrCompression::kDwaa, "dwaa"},
                                           {ExrCompression::kDwab, "dwab"},
                                           {ExrCompression::kNone, "none"}});
+// How colours go with alpha.
+enum class AlphaForm : std::uint8_t { kPremultiplied, kStraight };
+template <>
+inline constexpr auto kEnumNames<AlphaForm> = std::to_array<Named<AlphaForm>>(
+    {{AlphaForm::kPremultiplied, "premultiplied"}, {AlphaForm::kStraight, "straight"}});
 struct ExrFormat {
   ExrCompression compression = ExrCompression::kZip;
+  AlphaForm alpha = AlphaForm::kPremultiplied;
   // Colours (R, G, B, alone or of a layer) become 16-bit floats, rounded to nearest; finite values
   // beyond 65504 become 65504. The layer "variance" and what is no colour keep 32 bits.
   bool half = false;
@@ -180,8 +186,12 @@ float ExposureStops(const PhotographicExposure& camera);
 float AutomaticExposureStops(const Image& image, std::span<const float> coverage = {});
 // Returns width * height * 3 bytes, rows from the top, rounded to nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
-// Encode or write an 8-bit RGB PNG. Identical input gives identical bytes.
-std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb);
+// Returns shares in [0, 1] as bytes, rounded to nearest; NaN is 0.
+std::vector<std::uint8_t> ToBytes(std::span<const float> shares);
+// Encode or write an 8-bit PNG of RGB, or of RGBA where there is alpha. Identical input gives
+// identical bytes.
+std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb,
+                      const std::vector<std::uint8_t>& alpha = {});
 void WritePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb);
 
 // Counts of pixels with invalid radiance, by kind.

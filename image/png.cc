@@ -42,22 +42,22 @@ int Paeth(int left, int above, int corner) {
 
 // Returns the rows [first, last), each as the differences by the filter for which the sum of their
 // sizes is least, after the number of that filter.
-std::vector<std::uint8_t> FilteredRows(int width, int first, int last, const std::uint8_t* rgb) {
-  constexpr std::size_t kPixel = 3;
-  const std::size_t bytes = std::size_t(width) * kPixel;
+std::vector<std::uint8_t> FilteredRows(int width, int first, int last, std::size_t pixel,
+                                       const std::uint8_t* pixels) {
+  const std::size_t bytes = std::size_t(width) * pixel;
   const std::vector<std::uint8_t> black(bytes);
   std::vector<std::uint8_t> filtered, candidate(bytes), best(bytes);
   filtered.reserve((bytes + 1) * std::size_t(last - first));
   for (int y = first; y < last; ++y) {
-    const std::uint8_t* const row = rgb + std::size_t(y) * bytes;
+    const std::uint8_t* const row = pixels + std::size_t(y) * bytes;
     const std::uint8_t* const above = y > 0 ? row - bytes : black.data();
     long least = -1;
     std::uint8_t best_filter = 0;
     const auto attempt = [&](std::uint8_t filter, const auto& predict) {
       long sum = 0;
       for (std::size_t i = 0; i < bytes; ++i) {
-        const bool inside = i >= kPixel;
-        const int left = inside ? row[i - kPixel] : 0, corner = inside ? above[i - kPixel] : 0;
+        const bool inside = i >= pixel;
+        const int left = inside ? row[i - pixel] : 0, corner = inside ? above[i - pixel] : 0;
         candidate[i] = std::uint8_t(row[i] - predict(left, int(above[i]), corner));
         sum += std::abs(int(std::int8_t(candidate[i])));
       }
@@ -162,8 +162,16 @@ bool ReadPngPixels(PngReading& reading, int depth, std::uint8_t* rows, std::size
 // The file is put together here, because libpng compresses in one go: bands of rows are compressed
 // at the same time, each as blocks of deflate that end at a byte and go into an IDAT chunk of their
 // own.
-std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb) {
+std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb,
+                      const std::vector<std::uint8_t>& alpha) {
   assert(rgb.size() == std::size_t(width) * height * 3);
+  assert(alpha.empty() || 3 * alpha.size() == rgb.size());
+  std::vector<std::uint8_t> rgba;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    rgba.insert(rgba.end(), {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], alpha[i]});
+  }
+  const std::vector<std::uint8_t>& pixels = alpha.empty() ? rgb : rgba;
+  const std::size_t pixel = alpha.empty() ? 3 : 4;
   if (width < 1 || height < 1) {
     throw InputError(InputPosition::File("PNG"), "a picture without pixels cannot be encoded",
                      kExitIo);
@@ -175,13 +183,14 @@ std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rg
   tbb::parallel_for(0, bands, [&](int band) {
     const int first = band * kBandRows, last = std::min(first + kBandRows, height);
     compressed[std::size_t(band)] =
-        Deflated(FilteredRows(width, first, last, rgb.data()), band + 1 == bands);
+        Deflated(FilteredRows(width, first, last, pixel, pixels.data()), band + 1 == bands);
   });
   std::string png("\x89PNG\r\n\x1a\n", 8);
-  // Eight bits for each of red, green and blue; no interlacing.
+  // Eight bits for each of red, green, blue and alpha; no interlacing.
+  const char kind = alpha.empty() ? 2 : 6;
   AppendChunk(
       "IHDR",
-      BigEndian(unsigned(width)) + BigEndian(unsigned(height)) + std::string("\x08\x02\0\0\0", 5),
+      BigEndian(unsigned(width)) + BigEndian(unsigned(height)) + std::string{8, kind, 0, 0, 0},
       png);
   AppendChunk("sRGB", std::string(1, '\0'), png);
   uLong sum = adler32(0, nullptr, 0);

@@ -15,6 +15,7 @@
 #include "job/denoise/denoise.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
+#include "job/resolve.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
 #include "wavefront/policies/emission_pilot.h"
@@ -93,8 +94,28 @@ SceneSphere BoundingSphere(const Bounds& bounds) {
           .high = {high.x, high.y, high.z}};
 }
 
+// Returns whether light passes through some triangle.
+bool LetsLightThrough(const Geometry& geometry) {
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    if ((geometry.bsdfs() >> kind & 1) != 0 && Bsdfs()[kind].transmits) return true;
+  }
+  return geometry.has_alpha();
+}
+
 float DistanceFromOrigin(const SceneSphere& sphere) {
   return std::hypot(sphere.center[0], sphere.center[1], sphere.center[2]);
+}
+
+// Returns 1 for each local light that is a triangle of an object; nothing where there are none or
+// no catchers.
+std::vector<std::uint8_t> ObjectLamps(const Geometry& geometry, const LocalLightView& lights) {
+  if (geometry.catchers() == nullptr || lights.light_of_triangle == nullptr) return {};
+  std::vector<std::uint8_t> lamps(lights.count, 0);
+  for (std::uint32_t i = 0; i < geometry.triangle_count(); ++i) {
+    const std::uint32_t light = lights.light_of_triangle[i];
+    if (light != kNoLight && !geometry.IsCatcher(i)) lamps[light] = 1;
+  }
+  return lamps;
 }
 
 // Returns the seed of the random numbers of a frame of an animation, by the finalizer of SplitMix64
@@ -144,6 +165,7 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   }
   parts.Prepare(request_);
   const PreparedScene& prepared = parts.prepared();
+  PlanComposites(*prepared.scene);
   std::shared_ptr<const LoadedLight> light;
   times_.load += Time([&] { light = parts.Light(request_); });
   notes_.insert(notes_.end(), light->notes.begin(), light->notes.end());
@@ -159,11 +181,31 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
       scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
   map_hash_ = light->hash;
   times_.tables = Time([&] { BuildStrategies(parts, *light); });
-  // Light of a map comes into a closed room through edges alone. Openings that are given let it in.
-  if (has_environment() && map_->map.portals.empty() &&
+  // Light of a map comes into a closed room through edges alone. Openings that are given let it in,
+  // and so does what light passes through.
+  if (has_environment() && map_->map.portals.empty() && !LetsLightThrough(geometry()) &&
       IsClosedAround(geometry().scene(), camera_.origin)) {
     beside_ = (sphere_.radius + DistanceFromOrigin(sphere_)) * 0x1p-18f;
   }
+}
+
+void RenderJob::PlanComposites(const Scene& scene) {
+  RenderOptions& options = request_.options;
+  AovSet layers = 0;
+  if (HasCatchers(scene)) {
+    if (request_.denoise) {
+      throw OptionError("denoise", "", "the light of catchers cannot be denoised yet");
+    }
+    request_.background = request_.background.value_or(Background::kTransparent);
+    layers = CatcherAovs();
+  } else if ((options.aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
+    throw OptionError("aovs", ToString(options.aovs),
+                      "the scene has no catchers: name some, as in `catcher ground`");
+  }
+  if (request_.background == Background::kTransparent) layers |= AovsOf(AovSum::kAlpha);
+  if (layers == 0) return;
+  options.aovs |= layers;
+  CheckResolved(request_);
 }
 
 void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
@@ -193,6 +235,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   if (Sums(options().aovs, AovSum::kLightGroups)) {
     light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view());
   }
+  object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   if (options().aovs != 0 || request_.denoise)
     world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
@@ -273,15 +316,20 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
                                          : std::nullopt,
                  .places = geometry().places(),
                  .instances = geometry().instances(),
-                 .one_sided = geometry().has_one_sided() ? geometry().triangles() : nullptr,
-                 .beside = beside_},
+                 .triangles = geometry().triangles(),
+                 .one_sided = geometry().has_one_sided(),
+                 // Rays from lights end outside of the room.
+                 .beside = Describe(integrator).has_light_paths() ? 0 : beside_},
       .sphere = sphere_,
       .filter = {.density = filter_densities_.data(),
                  .radius = options().filter_radius,
                  .factor = filter_factors_.empty() ? nullptr : filter_factors_.data()},
       .emitter = emitter,
       .map = &map_->map,
-      .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
+      .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_,
+      .shows_background = request_.background != Background::kTransparent,
+      .catchers = geometry().catchers(),
+      .object_lamps = object_lamps_.empty() ? nullptr : object_lamps_.data()};
   if (irradiance_) frame.Show(&control_);
   return frame;
 }

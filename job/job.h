@@ -74,6 +74,7 @@ class RenderJob {
  private:
   void Build(JobParts parts, const JobRequest& request);
   // The steps of Build, in their order.
+  void PlanComposites(const Scene& scene);
   void PlaceCamera(const Scene& scene, const Bounds& bounds);
   void PlaceLights(const JobParts& parts, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const LoadedLight& light);
@@ -87,7 +88,8 @@ class RenderJob {
   std::shared_ptr<const BuiltGeometry> geometry_;
   std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
   std::shared_ptr<const BuiltLamps> local_lights_;
-  LightGroups light_groups_;  // where they are asked for
+  LightGroups light_groups_;                // where they are asked for
+  std::vector<std::uint8_t> object_lamps_;  // FrameView::object_lamps
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   ControlView control_;                              // that frames show, if there is irradiance_

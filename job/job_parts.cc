@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/granted.h"
+#include "job/catchers.h"
 #include "job/environment.h"
 #include "job/map_sequence.h"
 #include "job/material_changes.h"
@@ -114,6 +115,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
       AddGround(*scene, prepared.bounds);
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
     }
+    MakeCatchers(request.catchers, *scene);
     prepared.copy_bytes = BytesOf(*scene);
     prepared.scene = std::move(scene);
   }

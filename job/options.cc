@@ -21,8 +21,8 @@ namespace {
 constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
                       kSpeed = OptionScope::kSpeed;
 constexpr std::string_view kLight = "Light", kCamera = "Camera", kMaterials = "Materials",
-                           kFilm = "Film", kPaths = "Paths", kReading = "Reading",
-                           kSpeedGroup = "Speed";
+                           kComposites = "Composites", kFilm = "Film", kPaths = "Paths",
+                           kReading = "Reading", kSpeedGroup = "Speed";
 
 // `count` numbers with the character `separators[i]` after number i; 0: the text ends.
 template <class Number>
@@ -219,6 +219,11 @@ std::vector<JobOption> CommonRows() {
           FIELD(materials), Texts("NAME=[BSDF][:KEY=VALUE,...]")),
     Plain({.name = "energy-compensation", .group = kMaterials, .help = "rough conductors and rough glass keep the light that their facets scatter more than once; without: they lose it, as in other programs", .scope = kPixels, .changes = Tables::kPrepared, .example = "materials --no-energy-compensation"},
           FIELD(energy_compensation), Switches()),
+
+    Plain({.name = "catcher", .group = kComposites, .help = "materials or meshes that a photograph shows already: of them only the shadows, reflections and colours of all else are seen, for compositing", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --catcher ground", .default_text = "none", .metavar = "NAME,NAME...", .most_values = 1000, .delimiter = ','},
+          FIELD(catchers), Texts("the name of a material or a mesh")),
+    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher"},
+          FIELD(background), NamesOfEnum<Background>()),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),

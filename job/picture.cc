@@ -92,6 +92,25 @@ void Clean(const std::string& scene, Picture& picture) {
   picture.image = std::move(clean.image);
 }
 
+// Moves the values of a layer out of the picture; none if it has no such layer.
+std::vector<float> TakeLayer(std::string_view name, Picture& picture) {
+  const auto found = std::find_if(picture.layers.begin(), picture.layers.end(),
+                                  [&](const NamedChannel& layer) { return layer.name == name; });
+  if (found == picture.layers.end()) return {};
+  std::vector<float> values = std::move(found->values);
+  picture.layers.erase(found);
+  return values;
+}
+
+// Makes the picture one to put over another one, by its layers.
+void MakeTransparent(Picture& picture) {
+  picture.alpha = TakeLayer("alpha.A", picture);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::vector<float> values = TakeLayer(fmt::format("foreground.{}", "RGB"[c]), picture);
+    for (std::size_t i = 0; i < values.size(); ++i) picture.image.rgb[3 * i + c] = values[i];
+  }
+}
+
 }  // namespace
 
 std::string ValueOf(const RecordedOption& option) {
@@ -193,6 +212,11 @@ bool IsDenoised(const PictureIdentity& identity) {
   return option != nullptr && !option->words.empty();
 }
 
+bool IsTransparent(const PictureIdentity& identity) {
+  const RecordedOption* const option = Find(identity.options, "background");
+  return option != nullptr && ValueOf(*option) == ToString(Background::kTransparent);
+}
+
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity) {
   return layers | (IsDenoised(identity) ? DenoiserLayers() : 0) |
          (IsAutomatic(ExposureOf(identity)) ? MeteredLayers() : 0);
@@ -242,6 +266,7 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   if (IsDenoised(identity)) {
     tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, picture); });
   }
+  if (IsTransparent(identity)) MakeTransparent(picture);
   Expose(ExposureOf(identity), picture);
   std::erase_if(picture.layers, [&](const NamedChannel& channel) {
     return !IsOfLayers(channel.name, layers) && !IsOfDenoiser(channel.name);
@@ -272,21 +297,52 @@ std::vector<OptionOf<ExrFormat>> ExrFormatOptions() {
   // clang-format off
   return {
     option({.name = "compression", .help = "compression of the EXR; pxr24, dwaa and dwab lose digits"}, FIELD(compression), NamesOfEnum<ExrCompression>()),
+    option({.name = "alpha", .help = "colours of an EXR with alpha: multiplied by it, or straight"}, FIELD(alpha), NamesOfEnum<AlphaForm>()),
     option({.name = "half", .help = "colours of the EXR with 16 bits"}, FIELD(half), Switches()),
   };
   // clang-format on
 }
 #undef FIELD
 
-void WriteExr(const std::string& path, const Picture& picture) {
-  WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format);
+namespace {
+
+// Returns the colours of the picture divided by its alpha, where it has any.
+Image Straight(const Picture& picture) {
+  Image image = picture.image;
+  for (std::size_t i = 0; i < picture.alpha.size(); ++i) {
+    if (picture.alpha[i] <= 0) continue;
+    for (std::size_t c = 0; c < 3; ++c) image.rgb[3 * i + c] /= picture.alpha[i];
+  }
+  return image;
 }
+
+void WriteExr(const std::string& path, const Picture& picture,
+              const std::function<void()>& before_rename) {
+  if (picture.alpha.empty()) {
+    WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format, before_rename);
+    return;
+  }
+  std::vector<NamedChannel> channels = picture.layers;
+  channels.push_back({"A", picture.alpha});
+  const bool straight = picture.format.alpha == AlphaForm::kStraight;
+  WriteExr(path, straight ? Straight(picture) : picture.image, picture.metadata, channels,
+           picture.format, before_rename);
+}
+
+}  // namespace
+
+void WriteExr(const std::string& path, const Picture& picture) { WriteExr(path, picture, {}); }
 
 std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
   tbb::task_arena arena(ThreadsFor(picture.format.threads));
-  return arena.execute(
-      [&] { return EncodePng(image.width, image.height, ToneMap(image, picture.tone)); });
+  return arena.execute([&] {
+    if (picture.alpha.empty()) {
+      return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+    }
+    return EncodePng(image.width, image.height, ToneMap(Straight(picture), picture.tone),
+                     ToBytes(picture.alpha));
+  });
 }
 
 void WritePng(const std::string& path, const Picture& picture) {
@@ -294,8 +350,7 @@ void WritePng(const std::string& path, const Picture& picture) {
 }
 
 void WriteExrAndPng(const std::string& exr, const Picture& picture) {
-  WriteExr(exr, picture.image, picture.metadata, picture.layers, picture.format,
-           [&] { WritePng(PngBeside(exr), picture); });
+  WriteExr(exr, picture, [&] { WritePng(PngBeside(exr), picture); });
 }
 
 std::string PngBeside(const std::string& exr) {

@@ -59,6 +59,9 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 // Returns whether the picture is denoised.
 bool IsDenoised(const PictureIdentity& identity);
 
+// Returns whether the picture has alpha.
+bool IsTransparent(const PictureIdentity& identity);
+
 // Returns the layers that are resolved where `layers` are shown: those, and what the denoiser and
 // an automatic exposure read.
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity);
@@ -68,6 +71,8 @@ bool IsOfDenoiser(std::string_view channel);
 
 struct Picture {
   Image image;
+  // Share of what is behind each pixel that it hides; colours are multiplied by it. Empty: all.
+  std::vector<float> alpha;
   std::vector<NamedChannel> layers;
   std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;

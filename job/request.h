@@ -2,12 +2,14 @@
 // option (job/options.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/names.h"
 #include "lights/maps/environment_map.h"
 #include "scene/read_options.h"
 #include "scene/scene.h"
@@ -46,6 +48,15 @@ struct CameraRequest {
   std::optional<float> orbit_degrees;
 };
 
+// What is behind the scene where the camera sees past it.
+enum class Background {
+  kMap,         // the map and other light from infinitely far away
+  kTransparent  // nothing: the picture has alpha
+};
+template <>
+inline constexpr auto kEnumNames<Background> = std::to_array<Named<Background>>(
+    {{Background::kMap, "map"}, {Background::kTransparent, "transparent"}});
+
 // Unset values come from the scene file, and where that has none from RenderOptions
 // (ResolveRequest).
 struct JobRequest {
@@ -53,6 +64,9 @@ struct JobRequest {
   bool ground = false;  // a plane under the scene
   ReadOptions read;
   std::vector<std::string> materials;  // changes, see job/material_changes.h
+  std::vector<std::string> catchers;   // names of materials and meshes, see job/catchers.h
+  std::optional<Background>
+      background;  // unset: transparent where there are catchers, else the map
   // If false, rough conductors and glass lose the light that their facets would scatter more than
   // once.
   bool energy_compensation = true;

@@ -248,6 +248,11 @@ inline bool IsHiddenSide(std::uint32_t tag, bool normal_side) {
   return (tag & kOneSidedTriangle) != 0 && normal_side == ((tag & kTurnedTriangle) != 0);
 }
 
+// Returns the material of a triangle, which may be a mixture.
+inline std::uint32_t MaterialOf(const TriangleRecord& triangle) {
+  return (triangle.tag & kMixedTriangle) != 0 ? triangle.normal[2] : triangle.tag & kMaterialMask;
+}
+
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
 
 // Returns the index of a member of a record among the record's words, for kernels that gather.

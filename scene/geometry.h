@@ -59,6 +59,15 @@ class Geometry {
   // One per triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tables_.tangents.data(); }
   bool has_one_sided() const { return tables_.one_sided; }  // triangles (kOneSidedTriangle)
+  // By material: 1 for catchers; null: there are none.
+  const std::uint8_t* catchers() const {
+    return tables_.catchers.empty() ? nullptr : tables_.catchers.data();
+  }
+  // Returns whether a triangle record is of a catcher.
+  bool IsCatcher(std::uint32_t record) const {
+    return !tables_.catchers.empty() &&
+           tables_.catchers[MaterialOf(tables_.triangles[TriangleOf(record)])] != 0;
+  }
   bool has_mixtures() const { return !tables_.mixed.empty(); }
   std::size_t triangle_count() const { return tables_.triangle_count(); }
   std::size_t record_count() const { return tables_.triangles.size(); }  // variants included

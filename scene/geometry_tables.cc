@@ -375,6 +375,9 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
     }
     if (BsdfOf(material).tables.sheen) tables.sheen = &GetSheenTables();
   }
+  if (HasCatchers(scene)) {
+    for (const Material& material : scene.materials) tables.catchers.push_back(material.catcher);
+  }
   for (const MeasuredBrdf& brdf : scene.measured) {
     tables.measured.insert(tables.measured.end(), brdf.rgb.begin(), brdf.rgb.end());
   }

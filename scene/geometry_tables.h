@@ -48,6 +48,7 @@ struct GeometryTables {
   std::vector<TriangleSlopes> map_slopes;    // likewise
   BsdfSet bsdfs = 0;                         // those of the triangles
   bool one_sided = false;                    // camera rays pass through the back of some triangle
+  std::vector<std::uint8_t> catchers;        // by material, 1 for catchers; empty: there are none
 
   std::vector<MaterialRecord> materials;
   std::vector<NormalMapRecord> normal_maps;  // by material

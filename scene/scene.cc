@@ -52,6 +52,11 @@ std::vector<Bounds> InstanceBounds(const Scene& scene) {
   return boxes;
 }
 
+bool HasCatchers(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.catcher; });
+}
+
 Bounds SceneBounds(const Scene& scene, const std::string& path) {
   Bounds bounds = MeshBounds(scene.meshes);
   for (const Bounds& box : InstanceBounds(scene)) {

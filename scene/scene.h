@@ -184,6 +184,9 @@ struct Scene {
   std::vector<std::string> notes;     // "file:line: what has no effect on the picture"
 };
 
+// Returns whether some material is a catcher.
+bool HasCatchers(const Scene& scene);
+
 struct Bounds {
   glm::vec3 low, high;
 };

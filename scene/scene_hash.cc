@@ -52,7 +52,10 @@ static_assert(sizeof(Mixture) == 3 * sizeof(std::uint32_t), "padding has no valu
 
 void AddMaterial(const Material& material, Hash& hash) {
   Material::ForEachField(material, [&](std::string_view, MaterialPart part, const auto& field) {
-    if (material.has(part)) AddField(field, hash);
+    if (!material.has(part)) return;
+    // Later parts say which they are: another one may look like them.
+    if (part >= MaterialPart::kCatcher) hash.Add(std::uint32_t(part));
+    AddField(field, hash);
   });
 }
 

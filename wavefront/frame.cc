@@ -28,6 +28,13 @@ FrameView FrameView::of_continuations() const {
   return frame;
 }
 
+FrameView FrameView::of_place() const {
+  FrameView frame = *this;
+  frame.tracer.only = catchers;
+  frame.light_groups = nullptr;
+  return frame;
+}
+
 LightShares FrameView::light_shares() const {
   LightShares shares;
   shares.plan = has_environment() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};

@@ -104,7 +104,13 @@ struct FrameView {
   const EnvStrategy* emitter = nullptr;
   const EnvironmentMap* map = nullptr;        // the map of both
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
-  ViewSlots shown;                            // what passes and policies have for stages, by type
+  bool shows_background = true;               // false: camera rays see no light of the map
+  // By material: 1 for catchers; null: there are none.
+  const std::uint8_t* catchers = nullptr;
+  // By local light: 1 for those that are surfaces of objects; null: there are none. Objects are all
+  // that is no catcher.
+  const std::uint8_t* object_lamps = nullptr;
+  ViewSlots shown;  // what passes and policies have for stages, by type
 
   // Returns what a pass or a policy shows; null: there is none.
   template <class Data>
@@ -136,6 +142,10 @@ struct FrameView {
   }
   // Returns the frame in which continuations go on as paths that do not split again.
   FrameView of_continuations() const;
+  // Returns the frame of the place without objects: rays meet catchers alone. Light samples are
+  // drawn as with objects.
+  FrameView of_place() const;
+  bool is_of_place() const { return tracer.only != nullptr; }
   LightShares light_shares() const;
   // Returns how many light paths stand for one sample of every pixel.
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }

@@ -69,6 +69,7 @@ struct IntegratorDescriptor {
   LightSamples light_samples = LightSamples::kOne;
   bool controls = false;          // subtracts what a control variate knows (ControlView)
   bool has_light_groups = false;  // keeps light groups apart if paths do not split
+  bool has_catchers = false;      // follows paths anew without objects if paths do not split
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;        // light paths add to pixels anywhere on the film
   bool biased = false;            // biased: does not converge to the picture with more samples

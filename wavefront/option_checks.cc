@@ -53,6 +53,12 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
     refuse(fmt::format("light groups are kept by `integrator {}`, without `split`",
                        NamesWith(&IntegratorDescriptor::has_light_groups)));
   }
+  if (Sums(options.aovs, AovSum::kDifference) &&
+      !(integrator.has_catchers && options.bsdf_samples == 0)) {
+    throw OptionError("catcher", "",
+                      fmt::format("catchers are known to `integrator {}`, without `split`",
+                                  NamesWith(&IntegratorDescriptor::has_catchers)));
+  }
   if (HasSigns(options.filter) &&
       (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect) ||
        Sums(options.aovs, AovSum::kLightGroups))) {

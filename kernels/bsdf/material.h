@@ -43,7 +43,8 @@ enum class MaterialPart {
   kSecondColorTexture,
   kReflection,
   kEmission,
-  kSidedness
+  kSidedness,
+  kCatcher
 };
 
 struct Material {
@@ -114,6 +115,9 @@ struct Material {
   // Camera rays pass through the back, which is the side from which corners are clockwise. All
   // other rays meet both sides.
   bool one_sided = false;
+  // The surface stands for one that a photograph shows already: what is seen of it is how objects
+  // change it (wavefront/stages/place.h).
+  bool catcher = false;
 
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
@@ -147,6 +151,8 @@ struct Material {
         return emission != glm::vec3(0);
       case MaterialPart::kSidedness:
         return one_sided;
+      case MaterialPart::kCatcher:
+        return catcher;
     }
     return true;
   }
@@ -161,7 +167,7 @@ struct Material {
            sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
            roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
            normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture, one_sided] = self;
+           emits_on_both_sides, emission_texture, one_sided, catcher] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -199,6 +205,7 @@ struct Material {
     f("emits_on_both_sides", kEmission, emits_on_both_sides);
     f("emission_texture", kEmission, emission_texture);
     f("one_sided", kSidedness, one_sided);
+    f("catcher", kCatcher, catcher);
   }
 };
 

@@ -35,6 +35,13 @@ struct FilterView {
   // Factors of camera paths by the cells of CameraView::filter_offset that their uniforms fall
   // into, the product of both axes. Null: all are 1.
   const float* factor = nullptr;
+
+  // Returns what a camera path counts that is at (u, v) of its filter.
+  float WeightAt(float u, float v) const {
+    if (factor == nullptr) return 1;
+    const auto cell = [](float x) { return std::uint32_t(x * float(kFilterCells)); };
+    return factor[cell(u)] * factor[cell(v)];
+  }
 };
 
 // Connects points [0, n) (org of `points`) to the camera: writes unit directions to it and

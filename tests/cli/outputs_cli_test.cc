@@ -55,6 +55,44 @@ TEST_F(Outputs, AnInputIsNeverOverwritten) {
   }
 }
 
+// Pictures with catchers have alpha, in the PNG too, and are put together from parts as others are.
+TEST_F(Outputs, CatchersGiveBothFilesAlpha) {
+  const std::string picture =
+      "render spheres --catcher floor --size 40x30 --spp 8 --tone filmic -q ";
+  ASSERT_EQ(Run(picture + "-o whole.exr").exit_code, 0);
+  EXPECT_TRUE(IsRgba(Path("whole.exr")) && IsRgba(Path("whole.png")));
+  const LayeredImage whole = ReadLayeredImage(Path("whole.exr"), {"A", "shadow.G", "difference.G"});
+  const std::vector<float>& alpha = whole.layers[0].values;
+  const Image in_png = ReadTexture(Path("whole.png"), Encoding::kAlpha);
+  int between = 0;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    EXPECT_NEAR(in_png.rgb[3 * i], alpha[i], 0.51 / 255);
+    between += alpha[i] > 0.1 && alpha[i] < 0.9;
+  }
+  EXPECT_GT(between, 20);
+
+  ASSERT_EQ(Run(picture + "--alpha straight -o straight.exr").exit_code, 0);
+  const Image straight = ReadImage(Path("straight.exr"));
+  for (std::size_t i = 0; i < straight.rgb.size(); ++i) {
+    if (alpha[i / 3] > 0) {
+      EXPECT_NEAR(straight.rgb[i] * alpha[i / 3], whole.image.rgb[i],
+                  1e-6 * (1 + whole.image.rgb[i]));
+    }
+  }
+  EXPECT_TRUE(Bytes("straight.png") == Bytes("whole.png"));
+
+  ASSERT_EQ(Run(picture + "--sample-range 2:8 --film a.film").exit_code, 0);
+  ASSERT_EQ(Run(picture + "--sample-range 0:2 --film b.film").exit_code, 0);
+  ASSERT_EQ(Run("merge a.film b.film -q -o merged.exr").exit_code, 0);
+  EXPECT_TRUE(Bytes("merged.exr") == Bytes("whole.exr"));
+  EXPECT_TRUE(Bytes("merged.png") == Bytes("whole.png"));
+
+  ASSERT_EQ(Run(picture + "--background map -o map.exr").exit_code, 0);
+  EXPECT_FALSE(IsRgba(Path("map.exr")) || IsRgba(Path("map.png")));
+  ASSERT_EQ(Run("render spheres --size 40x30 --spp 8 --tone filmic -q -o plain.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("map.exr")).rgb, ReadImage(Path("plain.exr")).rgb);
+}
+
 // The PNG is the picture of the EXR through the curve that is asked for.
 TEST_F(Outputs, PngsHaveTheirToneCurve) {
   std::set<std::string> pngs;

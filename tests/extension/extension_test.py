@@ -197,8 +197,8 @@ StrategyFactory TwinFactory() {
                    '#include <vector>\n\n#include "wavefront/render_option.h"\n'),
                   ("void RenderDirectWave(", INTEGRATOR + "void RenderDirectWave("),
                   ("  FinishWave(", "  Amplify(frame, range.count, w);\n  FinishWave("),
-                  (".render_wave", ".options = Options, .add_tables = AddTables,"
-                   " .for_each_pass = ForEachPass, .render_wave")))
+                  (".add_tables = AddPlaceTables", ".options = Options, .add_tables = AddTables,"
+                   " .for_each_pass = ForEachPass")))
     add.file("wavefront/policies/twin.cc", POLICY)
     add.line("wavefront/policy.h", "  POLICY(Guide)", " POLICY(Twin)")
     add.line("wavefront/integrator.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',

@@ -12,8 +12,11 @@
 namespace skywave {
 namespace {
 
-constexpr std::uint32_t kRows = 256;    // of the wave at a time, on the stack
-constexpr double kRangeUnits = 0x1p38;  // units at the end of a range
+constexpr std::uint32_t kRows = 256;     // of the wave at a time, on the stack
+constexpr double kRangeUnits = 0x1p38;   // units at the end of a range
+constexpr double kWeightUnits = 0x1p20;  // of a weight of 1
+// What camera rays meet first, as their weights are kept.
+enum First : std::size_t { kObjects, kCatchers, kNothing, kFirsts };
 constexpr std::uint64_t kNoSample = ~std::uint64_t{0};
 
 double RangeEnd(AovRange range, float world_extent) {
@@ -83,6 +86,11 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
     half_squares_.resize(pixels * 3);
   }
   if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
+  if (Sums(aovs, AovSum::kAlpha)) weights_.resize(pixels * kFirsts);
+  if ((aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
+    for (FilmValues<std::uint64_t>& part : light_parts_) part.resize(pixels * 3);
+    if (weights_.empty()) weights_.resize(pixels * kFirsts);
+  }
   if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
 }
 
@@ -92,7 +100,41 @@ bool AovFilm::BecomesNearest(std::uint32_t pixel, std::uint64_t key) {
   return true;
 }
 
+void AovFilm::AddWeights(const FirstHits& hits) {
+  const auto add = [&](std::uint32_t path, std::size_t plane) {
+    const double weight = hits.filter.WeightAt(hits.film.u[path], hits.film.v[path]);
+    weights_[kFirsts * hits.paths.pixel[path] + plane] +=
+        std::uint64_t(std::llrint(weight * kWeightUnits));
+  };
+  for (std::uint32_t path = 0; path < hits.rays; ++path) {
+    if (hits.hits.geom[path] == kNoHit) add(path, kNothing);
+  }
+  const SurfaceColumns& surfaces = hits.first.surfaces;
+  for (std::uint32_t i = 0; i < hits.first.count; ++i) {
+    const bool caught = hits.first.geometry.IsCatcher(surfaces.triangle[i]);
+    add(surfaces.path[i], caught ? kCatchers : kObjects);
+  }
+}
+
+void AovFilm::AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n,
+                           const FilmScale& scale) {
+  FilmValues<std::uint64_t>& sums = light_parts_[std::size_t(part)];
+  if (!sums.empty()) AddToFilm(paths, n, scale, sums.data());
+}
+
+// The least of the ratios of the channels: what is beyond it is light that objects add.
+double AovFilm::Kept(std::size_t pixel) const {
+  double kept = 1;
+  if (light_parts_[0].empty()) return kept;
+  for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
+    const double clean = LightOf(LightPart::kClean, i);
+    if (clean > 0) kept = std::min(kept, std::max(LightOf(LightPart::kCaught, i), 0.0) / clean);
+  }
+  return kept;
+}
+
 void AovFilm::AddFirstHits(const FirstHits& hits) {
+  if (!weights_.empty()) AddWeights(hits);
   if (hits_.empty()) return;
   for (std::uint32_t i = 0; i < hits.rays && !nearest_.empty(); ++i) {
     const std::uint32_t pixel = hits.paths.pixel[i];
@@ -226,6 +268,27 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
       case AovSum::kIndirect:
         if (has_signs_) return SumValue(radiance[i] - direct_[i], true) * unit_of_mean;
         return double(radiance[i] - std::min(radiance[i], direct_[i])) * unit_of_mean;
+      case AovSum::kAlpha: {
+        const auto weight = [&](std::size_t of) {
+          return SumValue(weights_[kFirsts * pixel + of], has_signs_);
+        };
+        const double all = weight(kObjects) + weight(kCatchers) + weight(kNothing);
+        if (!(all > 0)) return 0;
+        return (weight(kObjects) + (1 - Kept(pixel)) * weight(kCatchers)) / all;
+      }
+      case AovSum::kShadow: {
+        const double clean = LightOf(LightPart::kClean, i);
+        return clean > 0 ? LightOf(LightPart::kCaught, i) / clean : 1;
+      }
+      case AovSum::kDifference:
+        return (LightOf(LightPart::kCaught, i) - LightOf(LightPart::kClean, i)) * unit_of_mean;
+      case AovSum::kForeground: {
+        // Without signs nothing is less than what is kept, but for rounding.
+        const double rest =
+            LightOf(LightPart::kCaught, i) - Kept(pixel) * LightOf(LightPart::kClean, i);
+        const double added = has_signs_ ? rest : std::max(rest, 0.0);
+        return (LightOf(LightPart::kForeground, i) + added) * unit_of_mean;
+      }
       case AovSum::kLightGroups:
         return SumValue(lit_[group * pixels_ * 3 + i], has_signs_) * unit_of_mean;
     }

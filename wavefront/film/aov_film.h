@@ -4,6 +4,7 @@
 // sample nearest to a pixel's centre is the minimum of a key; squares are exact.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include "image/image.h"
 #include "kernels/accumulate.h"
 #include "kernels/columns.h"
+#include "kernels/light_paths/camera_connection.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_column.h"
 #include "wavefront/film/film_memory.h"
@@ -25,7 +27,15 @@ struct FirstHits {
   PathColumns paths;
   HitColumns hits;
   UniformColumns film;  // position of a path in the pixel's filter
-  std::uint32_t rays;   // rows of the last three
+  FilterView filter;
+  std::uint32_t rays;  // rows of the last three
+};
+
+// The light of catchers and objects is summed in these parts.
+enum class LightPart {
+  kForeground,  // of objects
+  kCaught,      // of catchers
+  kClean        // of catchers, without the objects
 };
 
 class AovFilm {
@@ -43,6 +53,10 @@ class AovFilm {
   // given.group[0, n), and brings `given` up to date.
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const FilmScale& scale, const GroupColumns& given);
+
+  // Adds the radiance of paths [0, n) to a part of the light, if it is kept.
+  void AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n,
+                    const FilmScale& scale);
 
   std::span<const std::uint64_t> light_group_sums() const { return lit_; }
 
@@ -75,6 +89,12 @@ class AovFilm {
     f(
         [](auto& film) -> auto& { return film.lit_; }, FilmColumn{3, light_groups_.size()});
     f(
+        [](auto& film) -> auto& { return film.weights_; }, FilmColumn{3});
+    for (std::size_t part = 0; part < light_parts_.size(); ++part) {
+      f(
+          [part](auto& film) -> auto& { return film.light_parts_[part]; }, FilmColumn{3});
+    }
+    f(
         [](auto& film) -> auto& { return film.nearest_; },
         FilmColumn{.of_nearest = true, .starts_filled = true});
   }
@@ -104,6 +124,12 @@ class AovFilm {
   // Returns true if a sample with this key is nearer to the centre than all before, and makes it
   // the nearest.
   bool BecomesNearest(std::uint32_t pixel, std::uint64_t key);
+  void AddWeights(const FirstHits& hits);
+  // Returns the share of the light of catchers that objects leave to all of its channels.
+  double Kept(std::size_t pixel) const;
+  double LightOf(LightPart part, std::size_t i) const {
+    return SumValue(light_parts_[std::size_t(part)][i], has_signs_);
+  }
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
 
   std::size_t pixels_;
@@ -118,6 +144,10 @@ class AovFilm {
   FilmValues<std::uint64_t> direct_;        // three per pixel [1 / scale.units]
   std::vector<std::string> light_groups_;
   FilmValues<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]
+  // The filter's weights of samples whose first surface is of an object, of a catcher, and of those
+  // that have none: three per pixel.
+  FilmValues<std::uint64_t> weights_;
+  std::array<FilmValues<std::uint64_t>, 3> light_parts_;  // three per pixel [1 / scale.units]
 };
 
 }  // namespace skywave

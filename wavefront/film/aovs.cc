@@ -102,6 +102,26 @@ constexpr Aov kAovs[] = {
     {"direct", "RGB", AovSum::kDirect, "light that met at most one surface"},
     {"indirect", "RGB", AovSum::kIndirect, "the rest of the beauty"},
     {"lights", "RGB", AovSum::kLightGroups, "the beauty by lights: a layer lights-NAME a group"},
+    {.name = "alpha",
+     .channels = "A",
+     .sum = AovSum::kAlpha,
+     .help = "share of what is behind the scene that it hides, by itself and by its shadows",
+     .of_composites = true},
+    {.name = "shadow",
+     .channels = "RGB",
+     .sum = AovSum::kShadow,
+     .help = "of catchers: their light with the objects over that without; 1 elsewhere",
+     .of_composites = true},
+    {.name = "difference",
+     .channels = "RGB",
+     .sum = AovSum::kDifference,
+     .help = "of catchers: their light with the objects less that without",
+     .of_composites = true},
+    {.name = "foreground",
+     .channels = "RGB",
+     .sum = AovSum::kForeground,
+     .help = "the beauty to put over a photograph by alpha",
+     .of_composites = true},
 };
 static_assert(std::size(kAovs) < 32);
 
@@ -130,7 +150,28 @@ std::optional<AovSet> ParseOne(std::string_view name) {
 
 std::span<const Aov> Aovs() { return kAovs; }
 
-AovSet AllAovs() { return (AovSet{1} << std::size(kAovs)) - 1; }
+namespace {
+
+template <class Predicate>
+AovSet Those(const Predicate& holds) {
+  AovSet aovs = 0;
+  for (std::size_t i = 0; i < std::size(kAovs); ++i) aovs |= AovSet{holds(kAovs[i])} << i;
+  return aovs;
+}
+
+}  // namespace
+
+AovSet AllAovs() {
+  return Those([](const Aov& aov) { return !aov.of_composites; });
+}
+
+AovSet AovsOf(AovSum sum) {
+  return Those([&](const Aov& aov) { return aov.sum == sum; });
+}
+
+AovSet CatcherAovs() {
+  return Those([](const Aov& aov) { return aov.of_composites; });
+}
 
 std::optional<AovSet> ParseAovs(std::string_view names) {
   AovSet aovs = 0;
@@ -168,8 +209,9 @@ bool NeedsUvs(AovSet aovs) {
 }
 
 bool ReadsHits(AovSet aovs) {
-  return Any(aovs,
-             [](const Aov& aov) { return aov.read != nullptr || aov.sum == AovSum::kCoverage; });
+  return Any(aovs, [](const Aov& aov) {
+    return aov.read != nullptr || aov.sum == AovSum::kCoverage || aov.of_composites;
+  });
 }
 
 }  // namespace skywave

@@ -29,6 +29,11 @@ enum class AovSum {
   kDirect,        // radiance of light that hit at most one surface
   kIndirect,      // the rest of the beauty
   kLightGroups,   // the beauty by groups of lights, one layer each (wavefront/film/light_groups.h)
+  kAlpha,         // share of what is behind the scene that it hides
+  // Those of catchers (wavefront/stages/place.h).
+  kShadow,      // light of catchers with the objects over that without them
+  kDifference,  // the same, subtracted
+  kForeground,  // the beauty without what is behind it
 };
 
 // The range that a mean can hold without being clamped decides the unit of its sums.
@@ -53,7 +58,8 @@ struct Aov {
   // This is for layers of first hits only.
   void (*read)(const FirstSurfaces& first, const AovColumns& out) = nullptr;  // writes `count` rows
   AovRange range = AovRange::kUnit;
-  float background = 0;  // value where nothing was hit
+  float background = 0;        // value where nothing was hit
+  bool of_composites = false;  // kept for catchers and transparent backgrounds, and not in "all"
 };
 
 // Returns all of them, in the order of help texts.
@@ -62,8 +68,12 @@ std::span<const Aov> Aovs();
 // A set of lines of the table has bit i for Aovs()[i].
 using AovSet = std::uint32_t;
 
-// Returns all lines of the table.
+// Returns all lines of the table but those of composites.
 AovSet AllAovs();
+// Returns the lines that sum like that.
+AovSet AovsOf(AovSum sum);
+// Returns those of catchers, alpha among them.
+AovSet CatcherAovs();
 // Parses names separated by commas. "all" is all of them, "denoiser" those that a denoiser reads.
 std::optional<AovSet> ParseAovs(std::string_view names);
 // Returns the names, separated by commas.

@@ -99,6 +99,10 @@ void Film::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std:
   if (aovs_) aovs_->AddToGroups(paths, rows, n, scale(), given);
 }
 
+void Film::AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n) {
+  if (aovs_) aovs_->AddLightPart(part, paths, n, scale());
+}
+
 bool Film::SumsLike(const Film& other) const {
   return unit_ == other.unit_ && layout_.has_signs == other.layout_.has_signs &&
          layout_.aovs == other.layout_.aovs && layout_.world_extent == other.layout_.world_extent &&

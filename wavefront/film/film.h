@@ -96,6 +96,9 @@ class Film {
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const GroupColumns& given);
 
+  // Adds the radiance of paths [0, n), with the weights of the filter, to a part of the light.
+  void AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n);
+
   // Returns whether the sums of both films are of the same kinds, in the same units.
   bool SumsLike(const Film& other) const;
 

@@ -5,18 +5,18 @@
 
 #include "wavefront/integrator.h"
 #include "wavefront/stages/path_stages.h"
+#include "wavefront/stages/place.h"
 
 namespace skywave {
 namespace {
 
-void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
-  StageClock clock(w.stats);
+// Follows rays [0, n) of w.rays[0], which begin paths; returns the bounce at which the last one
+// ended. `film` is that of FollowPaths.
+std::uint32_t FollowDirect(const FrameView& frame, std::uint32_t n, Worker& w, Film* film,
+                           StageClock& clock) {
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
-  StartGroups(frame, range.count, film, w);
-  clock.Lap(Stage::kGenerate);
-
-  std::uint32_t n = range.count, bounce = 0;
+  const std::uint32_t paths = n;
+  std::uint32_t bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
     if (bounce == frame.options.max_depth || !delta_rays) {
@@ -24,14 +24,31 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
       break;
     }
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
-    KeepAovs(frame, bounce, range.count, w, film, clock);
+    if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     std::swap(rays, next);
   }
-  FinishWave(frame, range.count, bounce, w, film, clock);
+  return bounce;
+}
+
+void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, w.rays[0]);
+  StartGroups(frame, range.count, film, w);
+  clock.Lap(Stage::kGenerate);
+  const std::uint32_t end = FollowDirect(frame, range.count, w, &film, clock);
+  FinishWave(frame, range.count, end, w, film, clock);
+  if (frame.catchers == nullptr) return;
+
+  const FrameView place = frame.of_place();
+  const std::uint32_t n = ReturnToPlace(place, range, w);
+  clock.Lap(Stage::kGenerate);
+  FollowDirect(place, n, w, nullptr, clock);
+  KeepPlace(place, range.count, w, film);
+  clock.Lap(Stage::kFilm);
 }
 
 }  // namespace
@@ -42,6 +59,8 @@ IntegratorDescriptor DirectIntegrator() {
           .light_samples = LightSamples::kRequested,
           .controls = true,
           .has_light_groups = true,
+          .has_catchers = true,
+          .add_tables = AddPlaceTables,
           .render_wave = RenderDirectWave};
 }
 

@@ -1,7 +1,8 @@
 // Unidirectional path tracing (T 4.2.3, P 3). Every bounce takes one light sample and one BSDF
 // sample, which multiple importance sampling combines. Russian roulette begins at the fourth
 // bounce, and paths scatter at no more than max_depth surfaces. With the option `split` paths
-// branch (split.cc).
+// branch (split.cc). Where there are catchers, paths that objects may have changed are followed
+// again without them (wavefront/stages/place.h).
 #include "wavefront/integrators/path.h"
 
 #include <span>
@@ -11,6 +12,7 @@
 #include "wavefront/policy.h"
 #include "wavefront/render_option.h"
 #include "wavefront/stages/path_stages.h"
+#include "wavefront/stages/place.h"
 
 namespace skywave {
 
@@ -22,6 +24,14 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   const std::uint32_t end =
       FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
   FinishWave(frame, range.count, end, w, film, clock);
+  if (frame.catchers == nullptr) return;
+
+  const FrameView place = frame.of_place();
+  const std::uint32_t n = ReturnToPlace(place, range, w);
+  clock.Lap(Stage::kGenerate);
+  FollowPaths(place, FromOwnSurfaces(place, w), n, 0, w, nullptr, clock);
+  KeepPlace(place, range.count, w, film);
+  clock.Lap(Stage::kFilm);
 }
 
 namespace {
@@ -37,6 +47,7 @@ std::span<const RenderOption> Options() {
 }
 
 void AddTables(const RenderOptions& options, Worker& worker) {
+  AddPlaceTables(options, worker);
   if (options.bsdf_samples == 0) return;
   AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
 }
@@ -53,6 +64,7 @@ IntegratorDescriptor PathIntegrator() {
   return {.help = "paths from the camera; caustics of small lights stay noisy or are missed",
           .controls = true,
           .has_light_groups = true,
+          .has_catchers = true,
           .options = Options,
           .add_tables = AddTables,
           .render_wave = RenderWholeOrSplitPaths};

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
+#include <glm/glm.hpp>
 #include <limits>
 #include <numbers>
 
@@ -185,17 +185,17 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std
   }
 }
 
-// ---- What the camera does not see ----
+// ---- What rays do not see ----
 
-// What the filter of a camera ray needs besides the hit.
-struct CameraQuery : EmbreeContext {
+// What the filter of a ray needs besides the hit.
+struct FilteredContext : EmbreeContext {
   const Tracer* tracer;
-  float along;  // 1: rays come from the camera; -1: they go to it
+  float along;  // 1: rays come from the camera; -1: they go to it; 0: they see both sides
 };
 
-// Embree calls this for hits of camera rays, in the space of the triangle.
-void DropHiddenSides(const RTCFilterFunctionNArguments* arguments) {
-  const auto& query = *static_cast<const CameraQuery*>(arguments->context);
+// Embree calls this for hits, in the space of the triangle.
+void DropUnseen(const RTCFilterFunctionNArguments* arguments) {
+  const auto& query = *static_cast<const FilteredContext*>(arguments->context);
   const Tracer& tracer = *query.tracer;
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; ++i) {
@@ -210,50 +210,63 @@ void DropHiddenSides(const RTCFilterFunctionNArguments* arguments) {
     } else if (geometry == 1) {
       triangle += *tracer.first_with_alpha;
     }
+    const TriangleRecord& record = tracer.triangles[triangle];
     const float towards = RTCHitN_Ng_x(hit, n, i) * RTCRayN_dir_x(ray, n, i) +
                           RTCHitN_Ng_y(hit, n, i) * RTCRayN_dir_y(ray, n, i) +
                           RTCHitN_Ng_z(hit, n, i) * RTCRayN_dir_z(ray, n, i);
-    const bool normal_side = towards * query.along < 0;
-    if (IsHiddenSide(tracer.one_sided[triangle].tag, normal_side)) arguments->valid[i] = 0;
+    const bool hidden = query.along != 0 && IsHiddenSide(record.tag, towards * query.along < 0);
+    const bool left_out = tracer.only != nullptr && tracer.only[MaterialOf(record)] == 0;
+    if (hidden || left_out) arguments->valid[i] = 0;
   }
 }
 
-struct SeeingQuery {
-  SeeingQuery(const Tracer& tracer, float along) : query(tracer.scene, /*coherent=*/false) {
-    query.FilterBy(DropHiddenSides, context);
+struct FilteredQuery {
+  FilteredQuery(const Tracer& tracer, float along) : query(tracer.scene, /*coherent=*/false) {
+    query.FilterBy(DropUnseen, context);
     context.tracer = &tracer, context.along = along;
   }
   EmbreeQuery query;
-  CameraQuery context;
+  FilteredContext context;
 };
+
+// Returns FilteredContext::along of rays from the camera, or of others.
+float AlongOf(const Tracer& tracer, RayKind kind) {
+  return kind == RayKind::kCamera && tracer.one_sided ? 1 : 0;
+}
+
+// Traces ray i whole by a filtered query.
+void TraceFiltered(const Tracer& tracer, FilteredQuery& filtered, const RayStream& rays,
+                   const RayColumns& columns, const HitColumns& hits, std::uint32_t i) {
+  RTCRayHit hit = SingleRayHit(rays, i);
+  Intersect1(filtered.query, hit);
+  StoreHit(tracer, hit, i, columns, hits);
+  if (tracer.first_with_alpha && tracer.places == nullptr) {
+    NumberTriangles(Slice(hits, i), *tracer.first_with_alpha, 1);
+  }
+}
 
 // Traces camera rays anew that have hit what the camera does not see. Coplanar triangles, one for
 // each side, need the whole ray: none of them is beyond the other.
 void PassHiddenSides(const Tracer& tracer, const RayStream& rays, const RayColumns& columns,
                      const HitColumns& hits, std::uint32_t n) {
-  SeeingQuery seeing(tracer, 1);
+  FilteredQuery seeing(tracer, 1);
   for (std::uint32_t i = 0; i < n; ++i) {
     if (hits.geom[i] == kNoHit) continue;
     const float towards =
         hits.ng_x[i] * rays.dir_x[i] + hits.ng_y[i] * rays.dir_y[i] + hits.ng_z[i] * rays.dir_z[i];
-    if (!IsHiddenSide(tracer.one_sided[hits.triangle[i]].tag, towards < 0)) continue;
+    if (!IsHiddenSide(tracer.triangles[hits.triangle[i]].tag, towards < 0)) continue;
     columns.t_far[i] = std::numeric_limits<float>::infinity();
-    RTCRayHit hit = SingleRayHit(rays, i);
-    Intersect1(seeing.query, hit);
-    StoreHit(tracer, hit, i, columns, hits);
-    if (tracer.places == nullptr && hits.geom[i] == 1) {
-      NumberTriangles(Slice(hits, i), *tracer.first_with_alpha, 1);
-    }
+    TraceFiltered(tracer, seeing, rays, columns, hits, i);
   }
 }
 
 // Sets t_far of occluded rays [0, n) negative, as Occlude does.
-void OccludeSeen(const Tracer& tracer, float along, const RayStream& rays, std::uint32_t n) {
-  SeeingQuery seeing(tracer, along);
+void OccludeFiltered(const Tracer& tracer, float along, const RayStream& rays, std::uint32_t n) {
+  FilteredQuery filtered(tracer, along);
   for (std::uint32_t i = 0; i < n; ++i) {
     if (rays.t_far[i] < 0) continue;
     RTCRay ray = SingleRay(rays, i);
-    Occluded1(seeing.query, ray);
+    Occluded1(filtered.query, ray);
     rays.t_far[i] = ray.tfar;
   }
 }
@@ -344,6 +357,11 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
   assert(IsAvailable(tracer.closest));
   const RayStream view = View(rays, keys);
   Record(tracer.recorder, kind, false, view, n);
+  if (tracer.only != nullptr) {
+    FilteredQuery filtered(tracer, AlongOf(tracer, kind));
+    for (std::uint32_t i = 0; i < n; ++i) TraceFiltered(tracer, filtered, view, rays, hits, i);
+    return;
+  }
   const bool beams = kind == RayKind::kCamera && tracer.beams;
   EmbreeQuery query(tracer.scene, beams);
   switch (beams ? Backend::kPacket : Resolve(tracer.closest, kBestClosest)) {
@@ -393,7 +411,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
   if (tracer.first_with_alpha && tracer.places == nullptr) {
     NumberTriangles(hits, *tracer.first_with_alpha, n);
   }
-  if (kind == RayKind::kCamera && tracer.one_sided != nullptr) {
+  if (kind == RayKind::kCamera && tracer.one_sided) {
     PassHiddenSides(tracer, view, rays, hits, n);
   }
 }
@@ -402,16 +420,17 @@ void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uin
                   const LightColumns& lights, const std::uint32_t* keys) {
   const RayStream view = ShadowStream(surfaces, lights, keys);
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
+  if (tracer.only != nullptr) return OccludeFiltered(tracer, 0, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
   if (tracer.beside > 0) CloseOpenings(tracer, view, n);
 }
 
 void TraceToCamera(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                    const LightColumns& lights, const std::uint32_t* keys) {
-  if (tracer.one_sided == nullptr) return TraceShadows(tracer, surfaces, n, lights, keys);
+  if (!tracer.one_sided) return TraceShadows(tracer, surfaces, n, lights, keys);
   const RayStream view = ShadowStream(surfaces, lights, keys);
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
-  OccludeSeen(tracer, -1, view, n);
+  OccludeFiltered(tracer, -1, view, n);
 }
 
 void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
@@ -422,8 +441,9 @@ void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t 
 void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
   Record(tracer.recorder, kind, true, View(rays, keys), n);
-  if (kind == RayKind::kCamera && tracer.one_sided != nullptr) {
-    OccludeSeen(tracer, 1, View(rays, keys), n);
+  const float along = AlongOf(tracer, kind);
+  if (along != 0 || tracer.only != nullptr) {
+    OccludeFiltered(tracer, along, View(rays, keys), n);
   } else {
     TraceOcclusion(tracer, rays, n, keys);
     if (tracer.beside > 0) CloseOpenings(tracer, View(rays, keys), n);

@@ -61,8 +61,10 @@ struct Tracer {
   // Both are null in scenes without instances.
   const TrianglePlaces* places = nullptr;
   const InstanceRecord* instances = nullptr;
-  // The records of all triangles; null: the camera sees both sides of all of them.
-  const TriangleRecord* one_sided = nullptr;
+  const TriangleRecord* triangles = nullptr;  // the records of all
+  bool one_sided = false;                     // the camera does not see both sides of all of them
+  // By material; rays meet triangles of materials with 1 alone. Null: they meet all.
+  const std::uint8_t* only = nullptr;
   // Where it is positive, the scene is closed around the camera, and rays that meet nothing have
   // slipped through an edge that two triangles share, where Embree's tests of both round the other
   // way. They are traced again from places this far beside, four across their direction, since the

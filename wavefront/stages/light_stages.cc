@@ -145,8 +145,8 @@ void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, St
   ChoosePixels(frame.camera, frame.filter, pixel, n, w.lights, cameras);
   EvaluateConnections(frame, w);
   WeighConnections(w.surfaces, w.of<LightPathTables>().values, cameras, n, w.lights);
-  if (frame.tracer.one_sided != nullptr) {
-    CloseHiddenSides(frame.tracer.one_sided, w.surfaces, n, w.lights);
+  if (frame.tracer.one_sided) {
+    CloseHiddenSides(frame.tracer.triangles, w.surfaces, n, w.lights);
   }
   clock.Lap(Stage::kEvaluate);
 }

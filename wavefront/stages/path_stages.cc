@@ -8,6 +8,7 @@
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
 #include "wavefront/stages/checks.h"
+#include "wavefront/stages/place.h"
 
 namespace skywave {
 namespace {
@@ -88,15 +89,9 @@ void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t 
 void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
                           const float* u, std::uint32_t n, std::uint32_t* group) {
   std::fill_n(group, n, kEnvironmentGroup);
-  if (index < shares.plan.fixed || !(shares.local.share > 0)) return;
-  const std::uint32_t* const first = shares.local.first;
-  const std::uint32_t* const end = first + frame.local_lights.count + 1;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
-    if (target >= end[-1]) continue;
-    const auto light = std::upper_bound(first, end, target) - first - 1;
-    group[i] = frame.light_groups->of_light[std::size_t(light)];
-  }
+  ForEachLocalLight(frame, shares, index, u, n, [&](std::uint32_t i, std::size_t light) {
+    group[i] = frame.light_groups->of_light[light];
+  });
 }
 
 // Gives what paths have gained in a stage to the groups of their lights, if they are wanted. The
@@ -127,6 +122,7 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
                std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
                Worker& w, StageClock& clock) {
   escaped = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
+  if (bounce == 0 && !frame.shows_background) escaped = 0;
   CountEscaping(n, escaped, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   // This comes before the surfaces that the rays left are overwritten, because strategies may need
@@ -156,6 +152,7 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
   }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
+  SeeObjects(frame, rays, n, bounce, /*known=*/true, w);
   if (frame.geometry->has_mixtures()) {
     const MixtureUniforms mixture(w.scratch);
     DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, mixture);
@@ -220,6 +217,7 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
     }
   }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
+  SeeObjects(frame, rays, n, bounce, /*known=*/frame.has_emitters(), w);
   const RayQueues queues(w.scratch);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, queues->queue);
   CountTracing(n, w.stats.lanes);
@@ -234,7 +232,9 @@ void TraceLights(const FrameView& frame, ShadowTarget target, const RayKeys& key
   CheckShadowRays(w.lights, n);
   clock.Lap(Stage::kEvaluate);
   const auto trace = target == ShadowTarget::kCamera ? TraceToCamera : TraceShadows;
+  BeforeShadows(frame, w);
   trace(frame.tracer, w.surfaces, n, w.lights, keys->key);
+  AfterShadows(frame, w);
   clock.Lap(Stage::kShadow, RayKind::kShadow);
   CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
 }
@@ -254,6 +254,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w));
+    SeeObjectLamps(frame, shares, index, uniforms->u, w);
     // The first light sample has one of the bounce's numbers; later ones are numbered after those.
     const std::uint32_t event = pairs + SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
@@ -298,6 +299,7 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
                        .paths = w.paths,
                        .hits = w.hits,
                        .film = uniforms,
+                       .filter = frame.filter,
                        .rays = paths});
   }
   // The rays that left the first surfaces have met the environment; the second surfaces are not lit
@@ -310,24 +312,11 @@ void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, F
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
 }
 
-// Multiplies the radiance of paths [0, n) by the factors of a filter with signs.
-void WeighByFilter(const FrameView& frame, std::uint32_t n, const Worker& w) {
-  const float* const factor = frame.filter.factor;
-  if (factor == nullptr) return;
-  const FilmUniforms film(w.scratch);
-  DrawUniforms(w.paths, nullptr, n, kFilmPair, {}, film);
-  const PathColumns& paths = w.paths;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const auto cell = [](float u) { return std::uint32_t(u * float(kFilterCells)); };
-    const float weight = factor[cell(film->u[i])] * factor[cell(film->v[i])];
-    paths.r[i] *= weight, paths.g[i] *= weight, paths.b[i] *= weight;
-  }
-}
-
 void FinishPaths(const FrameView& frame, std::uint32_t n, Worker& w, Film& film,
                  StageClock& clock) {
   WeighByFilter(frame, n, w);
   film.Add(w.paths, n, w.stats);
+  KeepLightParts(frame, n, w, film);
   // Every path of the wave passes these two kernels.
   for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
     w.stats.lanes[std::uint32_t(kernel)].Add(n, n);

@@ -214,6 +214,17 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
   return SampleRows(frame, points, shares, call, n, uniforms, scratch, lights, places);
 }
 
+void WeighByFilter(const FrameView& frame, std::uint32_t n, const Worker& w) {
+  if (frame.filter.factor == nullptr) return;
+  const FilmUniforms film(w.scratch);
+  DrawUniforms(w.paths, nullptr, n, kFilmPair, {}, film);
+  const PathColumns& paths = w.paths;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const float weight = frame.filter.WeightAt(film->u[i], film->v[i]);
+    paths.r[i] *= weight, paths.g[i] *= weight, paths.b[i] *= weight;
+  }
+}
+
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
                     const LightColumns& lights, const ControlRows& control) {

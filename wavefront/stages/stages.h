@@ -3,6 +3,8 @@
 // are inputs or outputs; a stage that takes the Scratch itself borrows from it what it needs.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -109,6 +111,24 @@ struct ControlRows {
   ControlColumns out = {};
   const float* weight = nullptr;
 };
+
+// Calls f(surface, light) for those of surfaces [0, n) whose light sample `index` goes to a local
+// light. `u` are the uniforms that have picked it.
+template <class F>
+void ForEachLocalLight(const FrameView& frame, const LightShares& shares, std::uint32_t index,
+                       const float* u, std::uint32_t n, const F& f) {
+  if (index < shares.plan.fixed || !(shares.local.share > 0)) return;
+  const std::uint32_t* const first = shares.local.first;
+  const std::uint32_t* const end = first + frame.local_lights.count + 1;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
+    if (target >= end[-1]) continue;
+    f(i, std::size_t(std::upper_bound(first, end, target) - first - 1));
+  }
+}
+
+// Multiplies the radiance of paths [0, n) by the factors of a filter with signs.
+void WeighByFilter(const FrameView& frame, std::uint32_t n, const Worker& w);
 
 // Turns light samples into contributions and opens or closes their shadow rays. With a control
 // variate, `control` gets what is subtracted from the paths of the surfaces; the first light sample

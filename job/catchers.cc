@@ -1,0 +1,59 @@
+#include "job/catchers.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+
+namespace skywave {
+namespace {
+
+template <class F>
+void ForEachMesh(Scene& scene, const F& f) {
+  for (Mesh& mesh : scene.meshes) f(mesh);
+  for (Object& object : scene.objects) {
+    for (Mesh& mesh : object.meshes) f(mesh);
+  }
+}
+
+[[noreturn]] void Refuse(const std::string& name, Scene& scene) {
+  std::set<std::string_view> known;
+  for (const Material& material : scene.materials) known.insert(material.name);
+  ForEachMesh(scene, [&](const Mesh& mesh) { known.insert(mesh.name); });
+  known.erase("");
+  throw OptionError("catcher", name,
+                    fmt::format("no material and no mesh has this name; there are {}",
+                                NearestFirst(name, {known.begin(), known.end()})));
+}
+
+}  // namespace
+
+void MakeCatchers(const std::vector<std::string>& names, Scene& scene) {
+  std::map<std::uint32_t, std::uint32_t> copies;  // by the material that they are of
+  for (const std::string& name : names) {
+    bool found = false;
+    for (Material& material : scene.materials) {
+      if (material.name == name) material.catcher = found = true;
+    }
+    ForEachMesh(scene, [&](Mesh& mesh) {
+      if (mesh.name != name) return;
+      found = true;
+      if (scene.materials[mesh.material].catcher) return;
+      const auto [copy, is_new] =
+          copies.emplace(mesh.material, std::uint32_t(scene.materials.size()));
+      if (is_new) {
+        Material catcher = scene.materials[mesh.material];
+        catcher.catcher = true;
+        scene.materials.push_back(std::move(catcher));
+      }
+      mesh.material = copy->second;
+    });
+    if (!found) Refuse(name, scene);
+  }
+}
+
+}  // namespace skywave
