@@ -21,6 +21,9 @@
 namespace skywave::api {
 namespace {
 
+// The alpha of the picture, which in a file is the channel A beside R, G and B.
+constexpr char kAlphaLayer[] = "alpha";
+
 // Returns the layers of channels named "albedo.R", "albedo.G", ..., in the order of the channels.
 std::vector<Layer> LayersOf(const std::vector<NamedChannel>& channels) {
   std::vector<Layer> layers;
@@ -179,6 +182,7 @@ void Renderer::Render(const RenderControl& control) {
     }
     state.picture = PictureOf(state, rows.Take(), rendered.part);
     state.layers = LayersOf(state.picture.layers);
+    if (!state.picture.alpha.empty()) state.layers.push_back({kAlphaLayer, "A"});
     state.notes.insert(state.notes.end(), state.picture.notes.begin(), state.picture.notes.end());
     if (display) {
       const std::string problem = display->End(state.picture);
@@ -219,6 +223,10 @@ void Renderer::CopyLayer(const std::string& name, std::span<float> values) const
           fmt::format("there is no '{}'; the option aovs asks for layers", name));
   const std::size_t channels = layer->channels.size();
   CheckSize(values, pixels * channels, "values");
+  if (name == kAlphaLayer && !state_->picture.alpha.empty()) {
+    std::copy(state_->picture.alpha.begin(), state_->picture.alpha.end(), values.begin());
+    return;
+  }
   for (std::size_t c = 0; c < channels; ++c) {
     const std::string wanted = name + '.' + layer->channels[c];
     const auto channel =

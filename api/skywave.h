@@ -261,7 +261,8 @@ class SKYWAVE_API Renderer {
 
   // All of the following need a complete Render.
 
-  // Returns the layers that the option "aovs" asked for.
+  // Returns the layers that the option "aovs" asked for, and for a picture with alpha (the options
+  // "catcher" and "background") those of catchers and "alpha", by which its colours are multiplied.
   const std::vector<Layer>& layers() const;
   // Writes the picture to `rgb`, width() * height() * 3 floats like an ImageArray.
   void CopyPicture(std::span<float> rgb) const;

@@ -36,11 +36,14 @@ Metadata MetadataOf(const std::string& path, const ReadLimits& limits) {
   return metadata;
 }
 
-void CheckNoisy(const std::string& path, const ReadLimits& limits) {
+// Returns the notes of a picture that is to be denoised.
+std::vector<std::string> CheckNoisy(const std::string& path, const ReadLimits& limits) {
   const std::vector<std::string> names = ReadLayerNames(path, limits);
   if (std::any_of(names.begin(), names.end(), IsOfDenoiser)) {
     throw InputError(InputPosition::File(path), "this picture was denoised already");
   }
+  if (std::find(names.begin(), names.end(), "A") == names.end()) return {};
+  return {path + ": its alpha is left out; `render --denoise` keeps it"};
 }
 
 int DenoiseMain(const DenoiseFlags& flags) {
@@ -49,12 +52,13 @@ int DenoiseMain(const DenoiseFlags& flags) {
                      "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
-  CheckNoisy(flags.input, flags.limits);
+  std::vector<std::string> notes = CheckNoisy(flags.input, flags.limits);
   const LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));
   Denoised clean = arena.execute([&] { return Denoise(flags.input, noisy.image, noisy.layers); });
   Picture picture = {.image = std::move(clean.image),
                      .layers = noisy.layers,
+                     .notes = std::move(notes),
                      .metadata = MetadataOf(flags.input, flags.limits)};
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
   ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());

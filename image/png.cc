@@ -167,6 +167,7 @@ std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rg
   assert(rgb.size() == std::size_t(width) * height * 3);
   assert(alpha.empty() || 3 * alpha.size() == rgb.size());
   std::vector<std::uint8_t> rgba;
+  rgba.reserve(4 * alpha.size());
   for (std::size_t i = 0; i < alpha.size(); ++i) {
     rgba.insert(rgba.end(), {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], alpha[i]});
   }

@@ -80,7 +80,8 @@ void CheckStrategy(const EnvStrategy& strategy, const std::string& specification
   }
 }
 
-// Light that is scattered some times is the product of as many factors, and floats end at 1e-38.
+// Light that is scattered several times is the product of as many factors, and floats end at
+// 1e-38.
 constexpr float kLeastRadiance = 1e-20f;
 
 // A sphere around all surfaces. It is larger than need be by what floats may lose of its disk.

@@ -65,8 +65,8 @@ struct JobRequest {
   ReadOptions read;
   std::vector<std::string> materials;  // changes, see job/material_changes.h
   std::vector<std::string> catchers;   // names of materials and meshes, see job/catchers.h
-  std::optional<Background>
-      background;  // unset: transparent where there are catchers, else the map
+  // Unset: transparent where there are catchers, else the map.
+  std::optional<Background> background;
   // If false, rough conductors and glass lose the light that their facets would scatter more than
   // once.
   bool energy_compensation = true;

@@ -87,6 +87,13 @@ TEST_F(Outputs, CatchersGiveBothFilesAlpha) {
   EXPECT_TRUE(Bytes("merged.exr") == Bytes("whole.exr"));
   EXPECT_TRUE(Bytes("merged.png") == Bytes("whole.png"));
 
+  const std::string clear = "render spheres --background transparent --size 40x30 --spp 16 -q ";
+  ASSERT_EQ(Run(clear + "--aovs denoiser -o noisy.exr").exit_code, 0);
+  const Result denoised = Run("denoise noisy.exr -o clean.exr");
+  EXPECT_NE(denoised.err.find("its alpha is left out"), std::string::npos) << denoised.err;
+  ASSERT_EQ(Run(clear + "--denoise -o clear.exr").exit_code, 0);
+  EXPECT_TRUE(IsRgba(Path("clear.exr")));
+
   ASSERT_EQ(Run(picture + "--background map -o map.exr").exit_code, 0);
   EXPECT_FALSE(IsRgba(Path("map.exr")) || IsRgba(Path("map.png")));
   ASSERT_EQ(Run("render spheres --size 40x30 --spp 8 --tone filmic -q -o plain.exr").exit_code, 0);

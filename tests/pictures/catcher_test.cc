@@ -336,8 +336,6 @@ TEST(Catchers, AlphaIsTheCoverageOfThePixelsFilter) {
         }
         if (x > 10) {
           EXPECT_EQ(alpha, 0) << x;
-        }
-        if (x > 10) {
           EXPECT_EQ(with.beauty.rgb[std::size_t(3 * (y * 16 + x))], 0);
         }
       }

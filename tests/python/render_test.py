@@ -42,6 +42,14 @@ class RenderTest(Case):
                 expected = expected[:, :, 0]
             self.assert_same_bits(picture.layers[name], expected)
 
+    def test_pictures_with_catchers_have_alpha(self):
+        picture = skywave.render("spheres", **SMALL, catcher="floor")
+        picture.save("caught.exr")
+        channels = exr_channels("caught.exr")
+        self.assertEqual(set(picture.layers), {"alpha", "shadow", "difference"})
+        self.assert_same_bits(picture.layers["alpha"], channels["A"])
+        self.assertTrue(((picture.layers["alpha"] > 0.1) & (picture.layers["alpha"] < 0.9)).any())
+
     def test_a_list_of_layers(self):
         picture = skywave.render("furnace", **SMALL, aovs=["albedo", "depth"])
         self.assertEqual(list(picture.layers), ["albedo", "depth"])

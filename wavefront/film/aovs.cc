@@ -125,12 +125,12 @@ constexpr Aov kAovs[] = {
 };
 static_assert(std::size(kAovs) < 32);
 
+// Returns the lines for which holds(line) is true.
 template <class Predicate>
-bool Any(AovSet aovs, const Predicate& holds) {
-  for (std::size_t i = 0; i < std::size(kAovs); ++i) {
-    if ((aovs >> i & 1) != 0 && holds(kAovs[i])) return true;
-  }
-  return false;
+AovSet Those(const Predicate& holds) {
+  AovSet aovs = 0;
+  for (std::size_t i = 0; i < std::size(kAovs); ++i) aovs |= AovSet{holds(kAovs[i])} << i;
+  return aovs;
 }
 
 // Layers that belong together have a name too.
@@ -149,17 +149,6 @@ std::optional<AovSet> ParseOne(std::string_view name) {
 }  // namespace
 
 std::span<const Aov> Aovs() { return kAovs; }
-
-namespace {
-
-template <class Predicate>
-AovSet Those(const Predicate& holds) {
-  AovSet aovs = 0;
-  for (std::size_t i = 0; i < std::size(kAovs); ++i) aovs |= AovSet{holds(kAovs[i])} << i;
-  return aovs;
-}
-
-}  // namespace
 
 AovSet AllAovs() {
   return Those([](const Aov& aov) { return !aov.of_composites; });
@@ -200,18 +189,17 @@ std::size_t ChannelCount(AovSet aovs, std::size_t light_groups) {
   return channels;
 }
 
-bool Sums(AovSet aovs, AovSum sum) {
-  return Any(aovs, [&](const Aov& aov) { return aov.sum == sum; });
-}
+bool Sums(AovSet aovs, AovSum sum) { return (aovs & AovsOf(sum)) != 0; }
 
 bool NeedsUvs(AovSet aovs) {
-  return Any(aovs, [](const Aov& aov) { return aov.read == ReadUv; });
+  return (aovs & Those([](const Aov& aov) { return aov.read == ReadUv; })) != 0;
 }
 
 bool ReadsHits(AovSet aovs) {
-  return Any(aovs, [](const Aov& aov) {
+  const AovSet of_hits = Those([](const Aov& aov) {
     return aov.read != nullptr || aov.sum == AovSum::kCoverage || aov.of_composites;
   });
+  return (aovs & of_hits) != 0;
 }
 
 }  // namespace skywave

@@ -41,14 +41,9 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end = FollowDirect(frame, range.count, w, &film, clock);
   FinishWave(frame, range.count, end, w, film, clock);
-  if (frame.catchers == nullptr) return;
-
-  const FrameView place = frame.of_place();
-  const std::uint32_t n = ReturnToPlace(place, range, w);
-  clock.Lap(Stage::kGenerate);
-  FollowDirect(place, n, w, nullptr, clock);
-  KeepPlace(place, range.count, w, film);
-  clock.Lap(Stage::kFilm);
+  RenderPlace(frame, range, w, film, clock, [&](const FrameView& place, std::uint32_t n) {
+    FollowDirect(place, n, w, nullptr, clock);
+  });
 }
 
 }  // namespace

@@ -24,14 +24,9 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   const std::uint32_t end =
       FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
   FinishWave(frame, range.count, end, w, film, clock);
-  if (frame.catchers == nullptr) return;
-
-  const FrameView place = frame.of_place();
-  const std::uint32_t n = ReturnToPlace(place, range, w);
-  clock.Lap(Stage::kGenerate);
-  FollowPaths(place, FromOwnSurfaces(place, w), n, 0, w, nullptr, clock);
-  KeepPlace(place, range.count, w, film);
-  clock.Lap(Stage::kFilm);
+  RenderPlace(frame, range, w, film, clock, [&](const FrameView& place, std::uint32_t n) {
+    FollowPaths(place, FromOwnSurfaces(place, w), n, 0, w, nullptr, clock);
+  });
 }
 
 namespace {

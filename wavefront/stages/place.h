@@ -71,4 +71,18 @@ std::uint32_t ReturnToPlace(const FrameView& place, const WaveRange& range, Work
 // Gives the film the light of catchers without the objects.
 void KeepPlace(const FrameView& place, std::uint32_t n, const Worker& w, Film& film);
 
+// Renders the place of a wave whose paths with objects are in the film: follow(place, n) follows
+// paths from their camera rays, [0, n) of w.rays[0], to their ends. Does nothing without catchers.
+template <class Follow>
+void RenderPlace(const FrameView& frame, const WaveRange& range, Worker& w, Film& film,
+                 StageClock& clock, const Follow& follow) {
+  if (frame.catchers == nullptr) return;
+  const FrameView place = frame.of_place();
+  const std::uint32_t n = ReturnToPlace(place, range, w);
+  clock.Lap(Stage::kGenerate);
+  follow(place, n);
+  KeepPlace(place, range.count, w, film);
+  clock.Lap(Stage::kFilm);
+}
+
 }  // namespace skywave
