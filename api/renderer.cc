@@ -108,6 +108,7 @@ Renderer::Renderer(const Scene& scene, const Options& options)
     state_->limits = request->limits;
     state_->format = request->format;
     state_->job.emplace(MakeJob(*scene.state_, request->job));
+    CheckFormat(state_->format, state_->job->options().aovs);
     state_->exposure = ResolveExposure(request->exposure, state_->job->request());
     state_->identity =
         IdentityOf(*state_->job, state_->exposure, !scene.state_->changed, state_->limits);

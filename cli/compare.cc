@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "bench/measure/json_reports.h"
 #include "bench/measure/picture_noise.h"
@@ -14,6 +15,7 @@
 #include "cli/print.h"
 #include "image/compare.h"
 #include "image/flip.h"
+#include "image/placement.h"
 
 namespace skywave {
 
@@ -33,16 +35,21 @@ struct CompareFlags {
 };
 
 struct ComparedPicture {
-  Image image;
-  bool of_screen = false;  // 8 bits per channel
-  std::optional<PictureNoise> noise = {};
+  LayeredImage picture;        // the layers say how noisy it is; none: it is taken to be exact
+  bool of_screen = false;      // 8 bits per channel
   bool denoised = false;       // its noise is the layer error
   bool lacks_samples = false;  // it has the layer variance, but not the layer samples
+
+  std::optional<PictureNoise> noise() const {
+    if (picture.layers.empty()) return std::nullopt;
+    return denoised ? NoiseOfErrors(picture.layers) : NoiseOf(picture.layers);
+  }
 };
 
 ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) {
-  if (IsOfScreen(path))
-    return {.image = ReadTexture(path, Encoding::kSrgb, limits), .of_screen = true};
+  if (IsOfScreen(path)) {
+    return {.picture = {ReadTexture(path, Encoding::kSrgb, limits)}, .of_screen = true};
+  }
   const std::vector<std::string> there = ReadLayerNames(path, limits);
   const auto has = [&](const std::vector<std::string>& wanted) {
     return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
@@ -51,23 +58,51 @@ ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) 
   };
   // The layer variance of a picture that was denoised is that of the noisy one.
   if (has(ErrorChannels())) {
-    LayeredImage picture = ReadLayeredImage(path, ErrorChannels(), limits);
-    return {.image = std::move(picture.image),
-            .noise = NoiseOfErrors(picture.layers),
-            .denoised = true};
+    return {.picture = ReadDataWindow(path, ErrorChannels(), limits), .denoised = true};
   }
-  if (has(NoiseChannels())) {
-    LayeredImage picture = ReadLayeredImage(path, NoiseChannels(), limits);
-    return {.image = std::move(picture.image), .noise = NoiseOf(picture.layers)};
+  if (has(NoiseChannels())) return {.picture = ReadDataWindow(path, NoiseChannels(), limits)};
+  return {.picture = ReadDataWindow(path, {}, limits),
+          .lacks_samples = has({NoiseChannels().front()})};
+}
+
+// Cuts two pictures to the pixels that both show; returns these, counted in the whole picture. A
+// picture that does not say where it lies, as large as a part that does, is of the same pixels:
+// such are the PNGs of crops.
+PixelBox CutToCommonPixels(const CompareFlags& flags, LayeredImage& image,
+                           LayeredImage& reference) {
+  const auto take_place = [](LayeredImage& to, const LayeredImage& from) {
+    const bool fits = to.image.width == from.image.width && to.image.height == from.image.height;
+    if (to.placement.width == 0 && WholeOf(to) != WholeOf(from) && fits) {
+      to.placement = from.placement;
+    }
+  };
+  take_place(image, reference);
+  take_place(reference, image);
+  const PixelBox whole = WholeOf(reference);
+  if (WholeOf(image) != whole) {
+    throw InputError(
+        InputPosition::File("compare"),
+        fmt::format("the pictures have different sizes, {} x {} and {} x {}", WholeOf(image).width,
+                    WholeOf(image).height, whole.width, whole.height));
   }
-  return {.image = ReadImage(path, limits), .lacks_samples = has({NoiseChannels().front()})};
+  const PixelBox both = Common(Common(PartOf(image), PartOf(reference)), whole);
+  if (both.empty()) {
+    throw InputError(InputPosition::File(flags.image),
+                     fmt::format("shows other pixels of the picture than {}, none of which can be "
+                                 "compared",
+                                 flags.reference));
+  }
+  CutTo(both, image);
+  CutTo(both, reference);
+  return both;
 }
 
 void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
                 const ComparedPicture& reference) {
+  const bool has_noise = image.noise().has_value();
   Print(stdout, "noise by the layer variance, or error where it was denoised, of {}\n",
-        image.noise && reference.noise ? "both pictures"
-        : image.noise                  ? "the image; the reference is taken to be exact"
+        has_noise && reference.noise() ? "both pictures"
+        : has_noise                    ? "the image; the reference is taken to be exact"
                                        : "the reference; the image is taken to be exact");
   const char* const kNames[] = {"red", "green", "blue"};
   for (int i = 0; i < 3; ++i) {
@@ -85,9 +120,11 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
 
 int CompareMain(const CompareFlags& flags) {
   CheckOutputs(std::array{flags.map, flags.json}, std::array{flags.image, flags.reference});
-  const ComparedPicture a = ReadCompared(flags.image, flags.limits),
-                        b = ReadCompared(flags.reference, flags.limits);
-  const Image &image = a.image, &reference = b.image;
+  ComparedPicture a = ReadCompared(flags.image, flags.limits),
+                  b = ReadCompared(flags.reference, flags.limits);
+  const PixelBox compared = CutToCommonPixels(flags, a.picture, b.picture);
+  const PixelBox whole = WholeOf(b.picture);
+  const Image &image = a.picture.image, &reference = b.picture.image;
   const ImageDifference d = Compare(image, reference);
   const Flip flip =
       (a.of_screen || b.of_screen ? LdrFlip : HdrFlip)(image, reference, flags.pixels_per_degree);
@@ -95,14 +132,20 @@ int CompareMain(const CompareFlags& flags) {
   for (const auto& [name, value] : json.items()) {
     if (value.is_number_float()) Print(stdout, "{:<18}{:.8g}\n", name, value.get<double>());
   }
-  Print(stdout, "{:<18}{}, {}\n", "max_at", d.max_x, d.max_y);
+  json["max_at"] = {compared.x + d.max_x, compared.y + d.max_y};
+  Print(stdout, "{:<18}{}, {}\n", "max_at", compared.x + d.max_x, compared.y + d.max_y);
   Print(stdout, "{:<18}{} of {}\n", "different_pixels", d.different_pixels,
         std::size_t(image.width) * image.height);
-  if (a.noise || b.noise) {
-    const NoiseComparison noise = CompareNoise(image, a.noise, reference, b.noise);
+  if (compared != whole) {
+    json["window"] = {compared.x, compared.y, compared.width, compared.height};
+    Print(stdout, "{:<18}{}x{}+{}+{}: the pixels that both pictures have\n", "window",
+          compared.width, compared.height, compared.x, compared.y);
+  }
+  if (a.noise() || b.noise()) {
+    const NoiseComparison noise = CompareNoise(image, a.noise(), reference, b.noise());
     json["noise"] = Json(noise);
-    json["noise"]["of_image"] = a.noise.has_value();
-    json["noise"]["of_reference"] = b.noise.has_value();
+    json["noise"]["of_image"] = a.noise().has_value();
+    json["noise"]["of_reference"] = b.noise().has_value();
     PrintNoise(noise, a, b);
   }
   for (const auto& [picture, path] : {std::pair(&a, flags.image), std::pair(&b, flags.reference)}) {
@@ -127,7 +170,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
   // clang-format off
   return {
     option({.name = "image", .help = "EXR, HDR, PFM, PNG, JPEG, TGA, BMP, GIF, QOI or WebP", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
-    option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
+    option({.name = "reference", .help = "picture of the same size, or another part of it", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
     option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
     option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),
     option({.name = "full-scale", .help = "error shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -27,6 +28,28 @@ std::string FlagsOf(const OptionInfo& info) {
   return info.letter == 0 ? name : fmt::format("-{},{}", info.letter, name);
 }
 
+// Returns the hidden flag that a switch and its word are made, since switches have no values.
+std::string FlagOfWord(const OptionInfo& info) {
+  return fmt::format("--{}-{}", info.name, info.word);
+}
+
+// Joins switches of the command to words that follow them, after a blank or an equals sign.
+std::vector<std::string> JoinWords(std::vector<std::string> arguments,
+                                   const std::vector<BoundOption>& options) {
+  for (const BoundOption& option : options) {
+    const OptionInfo& info = option.info;
+    if (info.word.empty()) continue;
+    const std::string flag = "--" + std::string(info.name), word(info.word);
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      if (arguments[i] == flag + "=" + word) arguments[i] = FlagOfWord(info);
+      if (arguments[i] != flag || i + 1 == arguments.size() || arguments[i + 1] != word) continue;
+      arguments[i] = FlagOfWord(info);
+      arguments.erase(arguments.begin() + std::ptrdiff_t(i) + 1);
+    }
+  }
+  return arguments;
+}
+
 void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
   const OptionInfo& info = option.info;
   const std::string flags = FlagsOf(info), group(info.group);
@@ -45,6 +68,11 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     app.add_flag_function(flags, put(!on), Explanation(info))->group(group);
     // The default value can be given explicitly too, for scripts; it is not worth a line of help.
     app.add_flag_function((on ? "--" : "--no-") + std::string(info.name), put(on))->group("");
+    if (!info.word.empty()) {
+      app.add_flag_function(FlagOfWord(info),
+                            [take, &info](std::int64_t) { take({std::string(info.word)}); })
+          ->group("");
+    }
     return;
   }
   CLI::Option* added;
@@ -199,8 +227,15 @@ int ParseAndRun(int argc, char** argv, const std::vector<Command>& commands) {
   GivenOptions given;
   const Command* chosen = nullptr;
   for (const Command& command : commands) AddCommand(program, command, given, chosen);
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  for (const Command& command : commands) {
+    if (!arguments.empty() && arguments.front() == command.name) {
+      arguments = JoinWords(std::move(arguments), command.options);
+    }
+  }
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
   try {
-    program.parse(argc, argv);
+    program.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : kExitUsage;
   }

@@ -9,6 +9,7 @@
 #include "image/exr_library.h"
 #include "image/exr_scan_lines.h"
 #include "image/formats.h"
+#include "image/placement.h"
 
 namespace skywave {
 namespace {
@@ -77,44 +78,31 @@ void ColorsOfLuminance(const RgbPrimaries& primaries, Image& image) {
   }
 }
 
-// Copies what is within both windows from values of the one to values of the other, which begin
-// as zeros. A pixel has `step` values.
-std::vector<float> Moved(const std::vector<float>& values, std::size_t step, const ExrBox& from,
-                         const ExrBox& to) {
-  std::vector<float> moved;
-  ResizeLarge(moved, std::size_t(to.width()) * std::size_t(to.height()) * step);
-  const int left = std::max(from.x_min, to.x_min), right = std::min(from.x_max, to.x_max);
-  const auto at = [&](const ExrBox& box, int x, int y) {
-    return (std::size_t(y - box.y_min) * std::size_t(box.width()) + std::size_t(x - box.x_min)) *
-           step;
-  };
-  for (int y = std::max(from.y_min, to.y_min); y <= std::min(from.y_max, to.y_max); ++y) {
-    if (left > right) break;
-    std::copy_n(&values[at(from, left, y)], std::size_t(right - left + 1) * step,
-                &moved[at(to, left, y)]);
-  }
-  return moved;
+// Returns where the data window lies in the display window.
+Placement PlacementOf(const ExrHeader& header) {
+  const ExrBox &data = header.data_window, &display = header.display_window;
+  const Placement place = {data.x_min - display.x_min, data.y_min - display.y_min,
+                           int(display.width()), int(display.height())};
+  const bool same = place.x == 0 && place.y == 0 && data.width() == display.width() &&
+                    data.height() == display.height();
+  return same ? Placement() : place;
 }
 
 // Puts a picture where it belongs in the display window: what a crop or a region leaves out is
 // black, and what lies beyond the window is dropped.
-void PlaceInWindow(const std::string& path, const ExrHeader& header, const ReadLimits& limits,
-                   LayeredImage& picture) {
-  const ExrBox &data = header.data_window, &display = header.display_window;
-  const bool same = data.x_min == display.x_min && data.y_min == display.y_min &&
-                    data.x_max == display.x_max && data.y_max == display.y_max;
-  if (same) return;
+void PlaceInWindow(const std::string& path, const ReadLimits& limits, LayeredImage& picture) {
+  if (picture.placement.width == 0) return;
+  const PixelBox whole = WholeOf(picture), part = PartOf(picture);
   const InputPosition position = InputPosition::File(path);
-  CheckSize(position, display.width(), display.height(), limits);
+  CheckSize(position, whole.width, whole.height, limits);
   // A small file must not take much memory.
   constexpr std::int64_t kMuchLarger = 256, kFewPixels = 1 << 22;
-  const std::int64_t pixels = display.width() * display.height();
-  if (pixels > kFewPixels && pixels / kMuchLarger > data.width() * data.height()) {
+  const std::int64_t pixels = whole.width * whole.height;
+  if (pixels > kFewPixels && pixels / kMuchLarger > part.width * part.height) {
     throw InputError(position, "the display window is over 256 times as large as the picture");
   }
-  picture.image.rgb = Moved(picture.image.rgb, 3, data, display);
-  picture.image.width = int(display.width()), picture.image.height = int(display.height());
-  for (NamedChannel& layer : picture.layers) layer.values = Moved(layer.values, 1, data, display);
+  CutTo(whole, picture);
+  picture.placement = {};
 }
 
 // Returns the channels of the file that are not among `picture`.
@@ -181,8 +169,8 @@ std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view
   return LayersBeside(ChooseChannels(path, header.channels).names, header);
 }
 
-LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
-                       const std::vector<std::string>& layers) {
+LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
+                           const ReadLimits& limits, const std::vector<std::string>& layers) {
   const ExrHeader header = HeaderOfPicture(path, bytes, limits);
   const PictureChannels chosen = ChooseChannels(path, header.channels);
   const std::vector<std::string>& names = chosen.names;
@@ -213,7 +201,14 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
     ColorsOfLuminance(header.primaries.value_or(kRec709), picture.image);
   }
   if (header.primaries) ConvertToRec709(*header.primaries, picture.image);
-  PlaceInWindow(path, header, limits, picture);
+  picture.placement = PlacementOf(header);
+  return picture;
+}
+
+LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
+                       const std::vector<std::string>& layers) {
+  LayeredImage picture = DecodeExrPart(path, bytes, limits, layers);
+  PlaceInWindow(path, limits, picture);
   return picture;
 }
 

@@ -82,7 +82,7 @@ bool CanEncodeStrip(ExrCompression compression) {
 }
 
 std::string EncodeStrip(ExrCompression compression, const std::vector<WrittenChannel>& channels,
-                        int width, int first, int last) {
+                        int width, int first, int last, int top) {
   assert(CanEncodeStrip(compression));
   std::size_t row_pairs = 0;
   for (const WrittenChannel& channel : channels) {
@@ -120,7 +120,7 @@ std::string EncodeStrip(ExrCompression compression, const std::vector<WrittenCha
       Interleave(split.data(), split.data() + pairs, pairs, data.data());
       stored = size;
     }
-    AppendExrChunk(y, std::string_view(data).substr(0, stored), chunks);
+    AppendExrChunk(top + y, std::string_view(data).substr(0, stored), chunks);
   }
   return chunks;
 }

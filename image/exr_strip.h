@@ -27,8 +27,8 @@ bool CanEncodeStrip(ExrCompression compression);
 
 // Returns the chunks of the rows [first, last) of a picture that is `width` pixels wide. The
 // channels are in the order of their names, which is that of files. `first` is a multiple of
-// RowsPerChunk.
+// RowsPerChunk; in the file row 0 has the number `top`.
 std::string EncodeStrip(ExrCompression compression, const std::vector<WrittenChannel>& channels,
-                        int width, int first, int last);
+                        int width, int first, int last, int top = 0);
 
 }  // namespace skywave

@@ -49,21 +49,27 @@ class MemoryOutput : public Imf::OStream {
 };
 
 // The precision of 16 bits is enough for colours, but perhaps not for quantities in other units,
-// and not for what is subtracted from a colour.
+// not for what is subtracted from a colour, and not for the numbers of Cryptomatte.
 bool MayBeHalf(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   const std::string letter = dot == std::string::npos ? name : name.substr(dot + 1);
   const bool is_color = letter == "R" || letter == "G" || letter == "B" || name == "A";
-  for (const std::string_view exact : {"variance.", "half.", "half-variance."}) {
+  for (const std::string_view exact : {"variance.", "half.", "half-variance.", "crypto_"}) {
     if (name.starts_with(exact)) return false;
   }
   return is_color;
 }
 
 Imf::Header HeaderOf(const Image& image, const Metadata& metadata,
-                     const std::vector<WrittenChannel>& channels, ExrCompression compression) {
+                     const std::vector<WrittenChannel>& channels, const ExrFormat& format) {
+  const Placement& place = format.placement;
+  const Imath::Box2i data({place.x, place.y},
+                          {place.x + image.width - 1, place.y + image.height - 1});
   Imf::Header header(image.width, image.height);
-  header.compression() = Imf::Compression(compression);
+  if (place.width > 0) {
+    header = Imf::Header(Imath::Box2i({0, 0}, {place.width - 1, place.height - 1}), data);
+  }
+  header.compression() = Imf::Compression(format.compression);
   for (const auto& [name, text] : metadata) {
     if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
     header.insert(name, Imf::StringAttribute(text));
@@ -89,8 +95,9 @@ std::string StartOf(const std::string& path, const Imf::Header& header) {
 std::string ChunksOf(const std::string& path, Imf::Header header,
                      const std::vector<WrittenChannel>& channels, int first, int last) {
   Imath::Box2i& window = header.dataWindow();
-  window.min.y = first, window.max.y = last - 1;
-  const std::size_t width = std::size_t(window.max.x) + 1;
+  const int top = window.min.y;
+  window.min.y = top + first, window.max.y = top + last - 1;
+  const std::size_t width = std::size_t(window.max.x - window.min.x) + 1;
   const std::size_t before = std::size_t(first) * width, pixels = std::size_t(last - first) * width;
   std::vector<std::vector<half>> halves;
   Imf::FrameBuffer frame;
@@ -181,7 +188,7 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
   Imf::Header header;
   std::string start;
   try {
-    header = HeaderOf(image, metadata, channels, format.compression);
+    header = HeaderOf(image, metadata, channels, format);
     start = StartOf(path, header);
   } catch (const std::exception& error) {
     throw failed(error);
@@ -189,7 +196,7 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
   const auto encode = [&](std::size_t i) {
     const int y = int(i) * rows, end = std::min(y + rows, image.height);
     if (CanEncodeStrip(format.compression)) {
-      return EncodeStrip(format.compression, channels, image.width, y, end);
+      return EncodeStrip(format.compression, channels, image.width, y, end, format.placement.y);
     }
     try {
       return ChunksOf(path, header, channels, y, end);

@@ -119,15 +119,30 @@ std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimit
   return ExrLayerNames(path, bytes, limits);
 }
 
-LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::string>& layers,
-                              const ReadLimits& limits) {
+namespace {
+
+// Reads what `decode` makes of an EXR, or a picture without layers.
+LayeredImage ReadBy(decltype(DecodeExr)* decode, const std::string& path,
+                    const std::vector<std::string>& layers, const ReadLimits& limits) {
   const std::string bytes = ReadFile(path);
-  if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits, layers);
+  if (StartsWith(bytes, kExrMagic)) return decode(path, bytes, limits, layers);
   if (!layers.empty()) {
     throw InputError(InputPosition::File(path),
                      "has no layer " + layers.front() + ": only OpenEXR files have layers");
   }
-  return {DecodeImage(path, bytes, limits), {}};
+  return {DecodeImage(path, bytes, limits)};
+}
+
+}  // namespace
+
+LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::string>& layers,
+                              const ReadLimits& limits) {
+  return ReadBy(DecodeExr, path, layers, limits);
+}
+
+LayeredImage ReadDataWindow(const std::string& path, const std::vector<std::string>& layers,
+                            const ReadLimits& limits) {
+  return ReadBy(DecodeExrPart, path, layers, limits);
 }
 
 bool IsRgba(const std::string& path, const ReadLimits& limits) {

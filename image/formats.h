@@ -19,6 +19,9 @@ namespace skywave {
 // `layers` are the channels to read next to the picture.
 LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
                        const std::vector<std::string>& layers = {});
+// The same of the data window alone.
+LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
+                           const ReadLimits& limits, const std::vector<std::string>& layers = {});
 // Returns the channels next to the picture, without decoding anything.
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
                                        const ReadLimits& limits);

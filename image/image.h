@@ -72,6 +72,12 @@ Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding en
 // Names and texts of header attributes, in file order (OpenEXR writes them sorted by name).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
+// Where a picture lies within a larger one, of which it is a part.
+struct Placement {
+  int x = 0, y = 0;           // its top left corner [pixels]
+  int width = 0, height = 0;  // of the larger one; 0: it is a picture of its own
+};
+
 // An extra EXR channel next to R, G and B, "layer.letter", with one value per pixel.
 struct NamedChannel {
   std::string name;
@@ -113,6 +119,8 @@ struct ExrFormat {
   // beyond 65504 become 65504. The layer "variance" and what is no colour keep 32 bits.
   bool half = false;
   int threads = 0;  // 0: as many as the process may use
+  // The larger picture is the display window, and the part that is written the data window.
+  Placement placement = {};
 };
 // Writes a scan-line EXR with R, G, B and `layers`, all of them 32-bit floats unless `format` says
 // otherwise. Identical input gives identical bytes for any number of threads. `before_rename`: as
@@ -123,13 +131,19 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
 // A picture with channels next to it.
 struct LayeredImage {
   Image image;
-  std::vector<NamedChannel> layers;
+  std::vector<NamedChannel> layers = {};
+  Metadata attributes = {};  // what the header has to say of the layers
+  Placement placement = {};
 };
 // Reads a picture as ReadImage does, and the channels `layers` next to it ("variance.R"), each of
 // them named once, in the order of `layers`. Throws InputError also for a channel that the file
 // does not have, with its name and those of the channels that are there.
 LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::string>& layers,
                               const ReadLimits& limits = {});
+// The same of the data window alone: its placement says where it lies, and nothing around it is
+// made up.
+LayeredImage ReadDataWindow(const std::string& path, const std::vector<std::string>& layers = {},
+                            const ReadLimits& limits = {});
 // Returns the names of the channels next to the picture in the order of the file, which are none
 // unless it is an EXR.
 std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits = {});

@@ -63,6 +63,13 @@ Json RunsOf(const std::vector<std::uint32_t>& numbers) {
   return runs;
 }
 
+// Names of meshes and of materials; null where no matte is kept.
+Json ToJson(const std::shared_ptr<const Mattes>& mattes) {
+  if (!mattes) return nullptr;
+  return {{"meshes", (*mattes)[std::size_t(MatteOf::kObjects)].names},
+          {"materials", (*mattes)[std::size_t(MatteOf::kMaterials)].names}};
+}
+
 Json Manifest(const FilmFile& file, const Film& film) {
   const FilmLayout& layout = film.layout();
   Json json = {{"format", kFormat},
@@ -75,6 +82,7 @@ Json Manifest(const FilmFile& file, const Film& film) {
                  {"brightest_bits", Bits(layout.brightest_radiance)},
                  {"extent_bits", Bits(layout.world_extent)},
                  {"light_groups", layout.light_groups},
+                 {"mattes", ToJson(layout.mattes)},
                  {"splats", layout.shared},
                  {"signs", layout.has_signs},
                  {"bytes", film.packed_bytes()}}},
@@ -209,6 +217,15 @@ void CheckWithin(const FilmFile& file, AovSet kept) {
     throw std::runtime_error("a layer is to be shown but not kept");
 }
 
+std::shared_ptr<const Mattes> MattesFrom(const Json& sums) {
+  const auto found = sums.find("mattes");
+  if (found == sums.end() || found->is_null()) return nullptr;
+  const auto names = [&](const char* of) {
+    return MakeMatteNames(found->at(of).get<std::vector<std::string>>());
+  };
+  return std::make_shared<Mattes>(Mattes{names("meshes"), names("materials")});
+}
+
 FilmLayout LayoutFrom(const Json& sums, const CropWindow& window) {
   return {
       .area = {window.width, window.height, {0, 0, window.width, window.height}},
@@ -217,7 +234,8 @@ FilmLayout LayoutFrom(const Json& sums, const CropWindow& window) {
       .world_extent = std::bit_cast<float>(Whole<std::uint32_t>(sums.at("extent_bits"))),
       .shared = sums.at("splats"),
       .light_groups = sums.at("light_groups").get<std::vector<std::string>>(),
-      .has_signs = sums.at("signs")};
+      .has_signs = sums.at("signs"),
+      .mattes = MattesFrom(sums)};
 }
 
 // Returns the packed size of a film without making it: a file that is not what it says does not
@@ -293,6 +311,9 @@ FilmInFile ParseFilm(std::string_view bytes, const std::string& path) {
     }
     FilmLayout layout = LayoutFrom(json.at("sums"), file.window);
     CheckWithin(file, layout.aovs);
+    if (Sums(layout.aovs, AovSum::kMatte) && !layout.mattes) {
+      throw std::runtime_error("mattes without names");
+    }
     if (PackedBytes(layout) != double(body - sums)) {
       throw refuse(sums, "the film has another number of sums than its window and layers need");
     }

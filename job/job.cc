@@ -203,6 +203,9 @@ void RenderJob::PlanComposites(const Scene& scene) {
     throw OptionError("aovs", ToString(options.aovs),
                       "the scene has no catchers: name some, as in `catcher ground`");
   }
+  if (HasHoldouts(scene)) {
+    request_.background = request_.background.value_or(Background::kTransparent);
+  }
   if (request_.background == Background::kTransparent) layers |= AovsOf(AovSum::kAlpha);
   if (layers == 0) return;
   options.aovs |= layers;
@@ -235,6 +238,9 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   }
   if (Sums(options().aovs, AovSum::kLightGroups)) {
     light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view());
+  }
+  if (Sums(options().aovs, AovSum::kMatte)) {
+    mattes_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
   }
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   if (options().aovs != 0 || request_.denoise)
@@ -274,9 +280,16 @@ bool RenderJob::NeedsEmitter(Integrator integrator, const EnvStrategy& strategy)
          !CanEmit(strategy);
 }
 
-// Throws InputError where no light path can start or is merged with everything.
+// Throws InputError where no light path can start or is merged with everything, and where light
+// paths would bring light to surfaces that cut holes.
 void RenderJob::CheckLightPaths(Integrator integrator) const {
   if (!Describe(integrator).has_light_paths()) return;
+  if (geometry().holdouts() != nullptr) {
+    throw OptionError("holdout", "",
+                      fmt::format("goes with integrators whose paths all begin at the camera, as "
+                                  "path and direct, not with `integrator {}`",
+                                  ToString(integrator)));
+  }
   if (!(brightest_ > 0)) {
     throw InputError(InputPosition::File(request_.scene),
                      "nothing shines: the map is black and there are no lights, so no light path "
@@ -370,7 +383,8 @@ FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
           .shared = Describe(integrator).has_splats,
           .light_groups = light_groups_.names,
           .has_signs = options().of<ControlOptions>().control != ControlVariate::kNone ||
-                       HasSigns(options().filter)};
+                       HasSigns(options().filter),
+          .mattes = mattes_};
 }
 
 Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {

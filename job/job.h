@@ -89,6 +89,7 @@ class RenderJob {
   std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
   std::shared_ptr<const BuiltLamps> local_lights_;
   LightGroups light_groups_;                // where they are asked for
+  std::shared_ptr<const Mattes> mattes_;    // likewise
   std::vector<std::uint8_t> object_lamps_;  // FrameView::object_lamps
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate

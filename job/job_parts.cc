@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/granted.h"
-#include "job/catchers.h"
 #include "job/environment.h"
 #include "job/map_sequence.h"
+#include "job/marks.h"
 #include "job/material_changes.h"
 #include "job/options.h"
 #include "job/portals.h"
@@ -111,11 +111,13 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     CopyNewLamps(request, *scene);
     if (!request.energy_compensation) LeaveOutCompensation(*scene);
     scene->up_axis = request.environment.up_axis.value_or(scene->up_axis);
-    if (request.ground) {
+    if (request.ground != Ground::kNone) {
       AddGround(*scene, prepared.bounds);
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
     }
-    MakeCatchers(request.catchers, *scene);
+    if (request.ground == Ground::kCatcher) scene->materials.back().catcher = true;
+    Mark("catcher", request.catchers, &Material::catcher, *scene);
+    Mark("holdout", request.holdouts, &Material::holdout, *scene);
     prepared.copy_bytes = BytesOf(*scene);
     prepared.scene = std::move(scene);
   }

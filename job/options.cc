@@ -62,7 +62,8 @@ Codec<char> Axes() {
 }
 
 Codec<AovSet> Layers() {
-  return {.values = "all, denoiser, nor names separated by commas out of " + ToString(AllAovs()),
+  return {.values = "all, denoiser, nor names separated by commas out of " +
+                    ToString(AllAovs() | AovsOf(AovSum::kMatte)),
           .metavar = "all|NAME,NAME...",
           .parse = [](const std::string& text) { return ParseAovs(text); },
           .print = [](const AovSet& aovs) { return aovs == 0 ? std::string() : ToString(aovs); }};
@@ -79,6 +80,23 @@ Codec<Backend> Backends() {
     return backend && IsAvailable(*backend) ? backend : std::nullopt;
   };
   return codec;
+}
+
+Codec<Ground> Grounds() {
+  return {.values = "true|false|catcher",
+          .metavar = "",
+          .parse = [](const std::string& text) -> std::optional<Ground> {
+            if (text == "catcher") return Ground::kCatcher;
+            const std::optional<bool> on = Switches().parse(text);
+            if (!on) return std::nullopt;
+            return *on ? Ground::kGrey : Ground::kNone;
+          },
+          .print =
+              [](const Ground& ground) {
+                if (ground == Ground::kCatcher) return std::string("catcher");
+                return Switches().print(ground == Ground::kGrey);
+              },
+          .is_switch = true};
 }
 
 // Both sides of the film are one option and two fields.
@@ -212,8 +230,8 @@ std::vector<JobOption> CommonRows() {
           FIELD(camera.name), Texts("the name of a camera")),
     Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
           FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
-    Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene", .scope = kPixels, .changes = Tables::kPrepared | Tables::kTriangles, .example = "--ground"},
-          FIELD(ground), Switches()),
+    Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene; followed by the word catcher, the plane is one (see --catcher)", .scope = kPixels, .changes = Tables::kPrepared | Tables::kTriangles, .example = "--ground catcher", .word = "catcher"},
+          FIELD(ground), Grounds()),
 
     Plain({.name = "material", .group = kMaterials, .help = "give the material NAME another BSDF with these parameters, or without a BSDF only other parameters (KEY=1 or KEY=0.8/0.2/0.1); several are separated by ;", .scope = kPixels, .changes = Tables::kPrepared, .example = "moving.gltf --material 'paint=conductor:alpha=0.2,reflectance=0.9/0.5/0.1;steel=:alpha=0.4'", .default_text = "the scene's", .metavar = "NAME=[BSDF][:KEY=VALUE,...]", .most_values = 1000, .delimiter = ';'},
           FIELD(materials), Texts("NAME=[BSDF][:KEY=VALUE,...]")),
@@ -222,7 +240,9 @@ std::vector<JobOption> CommonRows() {
 
     Plain({.name = "catcher", .group = kComposites, .help = "materials or meshes that a photograph shows already: of them only the shadows, reflections and colours of all else are seen, for compositing", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --catcher ground", .default_text = "none", .metavar = "NAME,NAME...", .most_values = 1000, .delimiter = ','},
           FIELD(catchers), Texts("the name of a material or a mesh")),
-    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher"},
+    Plain({.name = "holdout", .group = kComposites, .help = "materials or meshes that cut holes: where the camera sees them first, the picture is empty, and elsewhere they stop and reflect light as ever", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --holdout ground", .default_text = "none", .metavar = "NAME,NAME...", .most_values = 1000, .delimiter = ','},
+          FIELD(holdouts), Texts("the name of a material or a mesh")),
+    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher and --holdout"},
           FIELD(background), NamesOfEnum<Background>()),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},

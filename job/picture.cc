@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
@@ -60,11 +61,11 @@ ExposureRequest ExposureOf(const PictureIdentity& identity) {
 // Returns whether a channel is one of `layers`.
 bool IsOfLayers(std::string_view channel, AovSet layers) {
   for (std::size_t k = 0; k < Aovs().size(); ++k) {
-    const std::string_view name = Aovs()[k].name;
+    const Aov& aov = Aovs()[k];
+    const std::string name = LayerName(aov, "");
     if ((layers >> k & 1) == 0 || !channel.starts_with(name)) continue;
-    const std::string_view rest = channel.substr(name.size());
-    if (rest.starts_with('.')) return true;
-    if (Aovs()[k].sum == AovSum::kLightGroups && rest.starts_with('-')) return true;
+    const bool of_many = aov.sum == AovSum::kLightGroups || aov.sum == AovSum::kMatte;
+    if (of_many || channel[name.size()] == '.') return true;
   }
   return false;
 }
@@ -261,6 +262,11 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
   Picture picture;
   picture.metadata = std::move(metadata);
+  picture.metadata.insert(picture.metadata.end(), resolved.attributes.begin(),
+                          resolved.attributes.end());
+  if (part.window != identity.film) {
+    picture.placement = {part.window.x, part.window.y, identity.film.width, identity.film.height};
+  }
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
   if (IsDenoised(identity)) {
@@ -286,6 +292,14 @@ void Expose(const ExposureRequest& exposure, Picture& picture) {
 bool IsExposedAutomatically(const Metadata& metadata) {
   return std::any_of(metadata.begin(), metadata.end(),
                      [](const auto& text) { return text.first == kPngExposure; });
+}
+
+void CheckFormat(const ExrFormat& format, AovSet layers) {
+  if (format.compression < ExrCompression::kPxr24 || !Sums(layers, AovSum::kMatte)) return;
+  throw OptionError("compression", std::string(ToString(format.compression)),
+                    fmt::format("loses digits, and those of the layers {} are names: use zip, piz "
+                                "or another one that keeps them",
+                                ToString(layers & AovsOf(AovSum::kMatte))));
 }
 
 #define FIELD SKYWAVE_FIELD
@@ -318,15 +332,17 @@ Image Straight(const Picture& picture) {
 
 void WriteExr(const std::string& path, const Picture& picture,
               const std::function<void()>& before_rename) {
+  ExrFormat format = picture.format;
+  format.placement = picture.placement;
   if (picture.alpha.empty()) {
-    WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format, before_rename);
+    WriteExr(path, picture.image, picture.metadata, picture.layers, format, before_rename);
     return;
   }
   std::vector<NamedChannel> channels = picture.layers;
   channels.push_back({"A", picture.alpha});
-  const bool straight = picture.format.alpha == AlphaForm::kStraight;
-  WriteExr(path, straight ? Straight(picture) : picture.image, picture.metadata, channels,
-           picture.format, before_rename);
+  const bool straight = format.alpha == AlphaForm::kStraight;
+  WriteExr(path, straight ? Straight(picture) : picture.image, picture.metadata, channels, format,
+           before_rename);
 }
 
 }  // namespace

@@ -76,8 +76,9 @@ struct Picture {
   std::vector<NamedChannel> layers;
   std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;
-  ToneMapping tone;  // of the PNG
-  ExrFormat format;  // its number of threads is that of the PNG, too
+  Placement placement;  // in the whole film, unless it shows all of that
+  ToneMapping tone;     // of the PNG
+  ExrFormat format;     // its number of threads is that of the PNG, too
 };
 
 // Returns the picture that `film` holds. `part` names its samples; `samples` counts them. `layers`
@@ -115,6 +116,9 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
 // IsExposedAutomatically finds it.
 void Expose(const ExposureRequest& resolved, Picture& picture);
 bool IsExposedAutomatically(const Metadata& metadata);
+
+// Throws OptionError where the layers would not survive the compression of a format.
+void CheckFormat(const ExrFormat& format, AovSet layers);
 
 // Returns the options compression and half.
 std::vector<OptionOf<ExrFormat>> ExrFormatOptions();

@@ -57,14 +57,18 @@ template <>
 inline constexpr auto kEnumNames<Background> = std::to_array<Named<Background>>(
     {{Background::kMap, "map"}, {Background::kTransparent, "transparent"}});
 
+// A plane under the scene, which a photograph may show already.
+enum class Ground { kNone, kGrey, kCatcher };
+
 // Unset values come from the scene file, and where that has none from RenderOptions
 // (ResolveRequest).
 struct JobRequest {
-  std::string scene;    // file or built-in scene
-  bool ground = false;  // a plane under the scene
+  std::string scene;  // file or built-in scene
+  Ground ground = Ground::kNone;
   ReadOptions read;
   std::vector<std::string> materials;  // changes, see job/material_changes.h
-  std::vector<std::string> catchers;   // names of materials and meshes, see job/catchers.h
+  std::vector<std::string> catchers;   // names of materials and meshes, see job/marks.h
+  std::vector<std::string> holdouts;   // likewise
   // Unset: transparent where there are catchers, else the map.
   std::optional<Background> background;
   // If false, rough conductors and glass lose the light that their facets would scatter more than

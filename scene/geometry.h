@@ -59,9 +59,12 @@ class Geometry {
   // One per triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tables_.tangents.data(); }
   bool has_one_sided() const { return tables_.one_sided; }  // triangles (kOneSidedTriangle)
-  // By material: 1 for catchers; null: there are none.
+  // By material: 1 for catchers, or for holdouts; null: there are none.
   const std::uint8_t* catchers() const {
     return tables_.catchers.empty() ? nullptr : tables_.catchers.data();
+  }
+  const std::uint8_t* holdouts() const {
+    return tables_.holdouts.empty() ? nullptr : tables_.holdouts.data();
   }
   // Returns whether a triangle record is of a catcher.
   bool IsCatcher(std::uint32_t record) const {

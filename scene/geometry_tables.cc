@@ -378,6 +378,9 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
   if (HasCatchers(scene)) {
     for (const Material& material : scene.materials) tables.catchers.push_back(material.catcher);
   }
+  if (HasHoldouts(scene)) {
+    for (const Material& material : scene.materials) tables.holdouts.push_back(material.holdout);
+  }
   for (const MeasuredBrdf& brdf : scene.measured) {
     tables.measured.insert(tables.measured.end(), brdf.rgb.begin(), brdf.rgb.end());
   }

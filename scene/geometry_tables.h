@@ -49,6 +49,7 @@ struct GeometryTables {
   BsdfSet bsdfs = 0;                         // those of the triangles
   bool one_sided = false;                    // camera rays pass through the back of some triangle
   std::vector<std::uint8_t> catchers;        // by material, 1 for catchers; empty: there are none
+  std::vector<std::uint8_t> holdouts;        // likewise
 
   std::vector<MaterialRecord> materials;
   std::vector<NormalMapRecord> normal_maps;  // by material

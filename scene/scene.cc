@@ -57,6 +57,11 @@ bool HasCatchers(const Scene& scene) {
                      [](const Material& material) { return material.catcher; });
 }
 
+bool HasHoldouts(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.holdout; });
+}
+
 Bounds SceneBounds(const Scene& scene, const std::string& path) {
   Bounds bounds = MeshBounds(scene.meshes);
   for (const Bounds& box : InstanceBounds(scene)) {

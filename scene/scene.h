@@ -184,8 +184,9 @@ struct Scene {
   std::vector<std::string> notes;     // "file:line: what has no effect on the picture"
 };
 
-// Returns whether some material is a catcher.
+// Return whether some material is a catcher, or a holdout.
 bool HasCatchers(const Scene& scene);
+bool HasHoldouts(const Scene& scene);
 
 struct Bounds {
   glm::vec3 low, high;

@@ -4,6 +4,8 @@
 // one field.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -64,6 +66,7 @@ struct OptionInfo {
   bool of_reading = false;     // it says how a scene is read; `skywave info` takes it as well
   bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
   int most_values = 1;         // more than 1: a list, separated by spaces
+  std::string_view word = {};  // a value that may follow a switch, as in "--ground catcher"
   char delimiter = 0;          // of a list in one word, 0: none
   std::string_view needs = {}, excludes = {};    // another option
   std::function<bool(Integrator)> applies = {};  // null: to all integrators
@@ -72,7 +75,7 @@ struct OptionInfo {
   std::string values = {};           // see Codec
   std::string value_name = {};       // the metavar: that of the option or of its codec
   std::string printed_default = {};  // empty: none
-  bool is_switch = false;            // takes no value: --name or --no-name
+  bool is_switch = false;            // needs no value: --name or --no-name
 };
 
 // An option of a struct of fields, a request.
@@ -292,6 +295,7 @@ std::string CommandWords(const OptionOf<Request>& option, const Request& request
   if (option.positional) return " " + Quoted(texts.front());
   if (option.is_switch) {
     if (texts.front() == option.printed_default) return "";
+    if (texts.front() == option.word) return fmt::format(" --{} {}", name, option.word);
     return (texts.front() == "true" ? " --" : " --no-") + name;
   }
   if (option.delimiter != 0) {

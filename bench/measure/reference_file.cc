@@ -44,7 +44,7 @@ void WriteReference(const std::string& path, const ReferenceFile& file, Metadata
 ReferenceFile ReadReference(const std::string& path, int width, int height,
                             const ReadLimits& limits) {
   ReferenceFile file;
-  file.reference.image = ReadImage(path, limits);
+  file.reference.image = ReadDataWindow(path, {}, limits).image;
   const Image& image = file.reference.image;
   if (image.width != width || image.height != height) {
     throw InputError(

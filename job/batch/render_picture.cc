@@ -128,9 +128,10 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   for (const std::string& output : {picture.output, PngBeside(picture.output)}) {
     for (const std::string& input : inputs_) CheckNotInput(output, input);
   }
+  const RenderOptions& options = job.options();
+  CheckFormat(ready.request.format, options.aovs);
   result.status = PictureStatus::kRendered;
   result.warnings = job.warnings(), result.notes = job.notes();
-  const RenderOptions& options = job.options();
   if (watcher.begin) {
     const std::uint64_t samples = std::uint64_t(options.width) * std::uint64_t(options.height) *
                                   ChooseSamples(limits, options.samples_per_pixel).count();

@@ -44,7 +44,8 @@ enum class MaterialPart {
   kReflection,
   kEmission,
   kSidedness,
-  kCatcher
+  kCatcher,
+  kHoldout
 };
 
 struct Material {
@@ -118,6 +119,8 @@ struct Material {
   // The surface stands for one that a photograph shows already: what is seen of it is how objects
   // change it (wavefront/stages/place.h).
   bool catcher = false;
+  // Where the camera sees the surface first, the picture is empty.
+  bool holdout = false;
 
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
@@ -153,6 +156,8 @@ struct Material {
         return one_sided;
       case MaterialPart::kCatcher:
         return catcher;
+      case MaterialPart::kHoldout:
+        return holdout;
     }
     return true;
   }
@@ -167,7 +172,7 @@ struct Material {
            sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
            roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
            normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture, one_sided, catcher] = self;
+           emits_on_both_sides, emission_texture, one_sided, catcher, holdout] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -206,6 +211,7 @@ struct Material {
     f("emission_texture", kEmission, emission_texture);
     f("one_sided", kSidedness, one_sided);
     f("catcher", kCatcher, catcher);
+    f("holdout", kHoldout, holdout);
   }
 };
 

@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "base/error.h"
 #include "image/image.h"
 #include "tests/support/made_image.h"
 #include "tests/support/program.h"
@@ -49,6 +51,61 @@ TEST_F(CompareCli, ADifferenceIsFound) {
   EXPECT_EQ(json.at("max_at"), nlohmann::json({3, 2}));
   EXPECT_EQ(json.at("different_pixels"), 1);
   EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
+}
+
+// Writes the pixels of Picture() from (x, y) on, which say where they lie.
+void WritePart(const std::string& path, int x, int y, int width, int height,
+               const std::vector<NamedChannel>& layers = {}) {
+  const Image whole = Picture();
+  const Image part = MadeImage(width, height, [&](int i, int j) {
+    const float* const rgb = whole.Pixel(x + i, y + j);
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  });
+  WriteExr(path, part, {}, layers, {.placement = {x, y, whole.width, whole.height}});
+}
+
+TEST_F(CompareCli, PartsAreComparedWhereBothHavePixels) {
+  WritePart(Path("left.exr"), 1, 0, 5, 3);
+  WritePart(Path("right.exr"), 3, 1, 5, 3);
+  const Result parts = Run("compare left.exr right.exr --json c.json --map d.png");
+  ASSERT_EQ(parts.exit_code, 0) << parts.err;
+  auto json = nlohmann::json::parse(Bytes("c.json"));
+  EXPECT_EQ(json.at("different_pixels"), 0);
+  EXPECT_EQ(json.at("window"), nlohmann::json({3, 1, 3, 2}));
+  EXPECT_NE(parts.out.find("3x2+3+1"), std::string::npos) << parts.out;
+  EXPECT_EQ(ReadTexture(Path("d.png"), Encoding::kSrgb).width, 3);
+  // A shifted part is another one, though it has the same bytes of pixels.
+  const Image left = ReadDataWindow(Path("left.exr")).image;
+  WriteExr(Path("shifted.exr"), left, {}, {}, {.placement = {2, 1, 8, 4}});
+  ASSERT_EQ(Run("compare left.exr shifted.exr --json c.json").exit_code, 0);
+  json = nlohmann::json::parse(Bytes("c.json"));
+  EXPECT_GT(json.at("different_pixels"), 0);
+  EXPECT_GE(json.at("max_at")[0], 2) << "places are those of the whole picture";
+  // A PNG of the part says nothing of its place; a picture of another size does not fit.
+  WriteImage(Path("left.pfm"), left);
+  ASSERT_EQ(Run("compare left.pfm left.exr --json c.json").exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(Bytes("c.json")).at("different_pixels"), 0);
+  WritePart(Path("corner.exr"), 0, 3, 1, 1);
+  const Result apart = Run("compare corner.exr left.exr");
+  EXPECT_EQ(apart.exit_code, kExitBadInput);
+  EXPECT_NE(apart.err.find("corner.exr"), std::string::npos) << apart.err;
+  WriteExr(Path("small.exr"), Image(5, 4));
+  EXPECT_EQ(Run("compare small.exr left.exr").exit_code, kExitBadInput);
+}
+
+// The noise of a part is cut as its pixels are.
+TEST_F(CompareCli, NoiseIsThatOfThePixelsThatAreCompared) {
+  const std::vector<float> few(15, 4.0f);
+  std::vector<float> variance(15, 0.0f);
+  variance[5 * 1 + 2] = 1;  // pixel (3, 1) of the picture
+  std::vector<NamedChannel> layers = {{"samples.V", few}};
+  for (const char letter : {'R', 'G', 'B'}) {
+    layers.push_back({std::string("variance.") + letter, variance});
+  }
+  WritePart(Path("left.exr"), 1, 0, 5, 3, layers);
+  WritePart(Path("right.exr"), 3, 1, 5, 3);
+  ASSERT_EQ(Run("compare left.exr right.exr --json c.json").exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(Bytes("c.json")).at("noise").at("values"), 3);
 }
 
 // The map shows an error of `full-scale` in the brightest colour, and smaller ones in darker

@@ -55,6 +55,65 @@ TEST_F(Outputs, AnInputIsNeverOverwritten) {
   }
 }
 
+// `--ground catcher` is one switch for a plane and its name; a crop keeps its place through merging
+// and denoising.
+TEST_F(Outputs, TheGroundMayBeACatcher) {
+  const std::string picture = "render three-spheres --size 24x18 --spp 4 -q ";
+  ASSERT_EQ(Run(picture + "--ground --catcher ground -o named.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + "--ground catcher -o word.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + "--ground=catcher -o sign.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + "--ground -o grey.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("word.png"), Bytes("named.png"));
+  EXPECT_EQ(Bytes("word.exr"), Bytes("sign.exr"));
+  EXPECT_NE(Bytes("word.png"), Bytes("grey.png"));
+  const Metadata metadata = ReadExrMetadata(Path("word.exr"));
+  const auto command = std::find_if(metadata.begin(), metadata.end(),
+                                    [](const auto& text) { return text.first == "command"; });
+  ASSERT_NE(command, metadata.end());
+  EXPECT_NE(command->second.find(" --ground catcher "), std::string::npos) << command->second;
+  EXPECT_EQ(Run(picture + "--ground catchers -o x.exr").exit_code, kExitUsage);
+}
+
+TEST_F(Outputs, CropsKeepTheirPlaceWhenDenoisedAndMerged) {
+  const std::string picture =
+      "render spheres --size 40x30 --crop 16x12+8+9 --spp 8 --aovs denoiser,crypto-object -q ";
+  ASSERT_EQ(Run(picture + "-o part.exr --film part.film").exit_code, 0);
+  ASSERT_EQ(Run("merge part.film --crop 16x12+8+9 -q -o merged.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("merged.exr"), Bytes("part.exr"));
+  ASSERT_EQ(Run("denoise part.exr -q -o clean.exr").exit_code, 0);
+  const Placement place = ReadDataWindow(Path("clean.exr")).placement;
+  EXPECT_EQ(place.x, 8);
+  EXPECT_EQ(place.y, 9);
+  EXPECT_EQ(place.width, 40);
+  EXPECT_EQ(place.height, 30);
+  // The clean picture has no matte, so its header has no names of one.
+  for (const auto& [name, text] : ReadExrMetadata(Path("clean.exr"))) {
+    EXPECT_FALSE(name.starts_with("cryptomatte")) << name;
+  }
+}
+
+TEST_F(Outputs, MattesAreNotWrittenWithLoss) {
+  for (const char* const lossy : {"dwaa", "dwab", "pxr24"}) {
+    const Result result =
+        Run("render spheres --size 8x6 --spp 1 --aovs crypto-object -o x.exr "
+            "--compression " +
+            std::string(lossy));
+    EXPECT_EQ(result.exit_code, kExitUsage);
+    EXPECT_NE(result.err.find("crypto-object"), std::string::npos) << result.err;
+  }
+  // Numbers of 16 bits are for colours alone.
+  const std::string picture = "render spheres --size 8x6 --spp 4 --aovs crypto-object -q ";
+  ASSERT_EQ(Run(picture + "-o full.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + "--half -o half.exr").exit_code, 0);
+  const std::vector<std::string> names = {"crypto_object00.R", "crypto_object00.G",
+                                          "crypto_object00.B", "crypto_object00.A"};
+  const LayeredImage full = ReadLayeredImage(Path("full.exr"), names);
+  const LayeredImage half = ReadLayeredImage(Path("half.exr"), names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(full.layers[i].values, half.layers[i].values) << names[i];
+  }
+}
+
 // Pictures with catchers have alpha, in the PNG too, and are put together from parts as others are.
 TEST_F(Outputs, CatchersGiveBothFilesAlpha) {
   const std::string picture =

@@ -281,9 +281,19 @@ TEST_F(RenderCli, ACropIsAPartOfTheWholePicture) {
         camera;
     ASSERT_EQ(Run(common + " -o whole.exr").exit_code, 0);
     ASSERT_EQ(Run(common + " --crop 7x5+2+3 -o part.exr").exit_code, 0);
-    const Image whole = ReadImage(Path("whole.exr")), part = ReadImage(Path("part.exr"));
+    const Image whole = ReadImage(Path("whole.exr"));
+    const LayeredImage in_window = ReadDataWindow(Path("part.exr"));
+    const Image& part = in_window.image;
     ASSERT_EQ(part.width, 7);
     ASSERT_EQ(part.height, 5);
+    // The EXR says where it lies; who reads the whole picture gets black around it.
+    EXPECT_EQ(in_window.placement.x, 2);
+    EXPECT_EQ(in_window.placement.y, 3);
+    const Image placed = ReadImage(Path("part.exr"));
+    ASSERT_EQ(placed.width, 12);
+    ASSERT_EQ(placed.height, 9);
+    EXPECT_EQ(placed.Pixel(2, 3)[0], part.Pixel(0, 0)[0]);
+    EXPECT_EQ(placed.Pixel(1, 3)[0], 0);
     for (int y = 0; y < 5; ++y) {
       for (int x = 0; x < 7; ++x) {
         for (int c = 0; c < 3; ++c) {
@@ -305,9 +315,9 @@ TEST_F(RenderCli, ACropWindowOfAPbrtFileIsTaken) {
   ASSERT_EQ(Run("render part.pbrt --spp 2 -q -o a.exr").exit_code, 0);
   ASSERT_EQ(Run("render whole.pbrt --crop 4x3+3+3 --spp 2 -q -o b.exr").exit_code, 0);
   EXPECT_EQ(Bytes("a.png"), Bytes("b.png"));
-  EXPECT_EQ(ReadImage(Path("a.exr")).width, 4);
+  EXPECT_EQ(ReadDataWindow(Path("a.exr")).image.width, 4);
   ASSERT_EQ(Run("render part.pbrt --crop 1x2+0+0 --spp 2 -q -o a.exr").exit_code, 0);
-  EXPECT_EQ(ReadImage(Path("a.exr")).height, 2);
+  EXPECT_EQ(ReadDataWindow(Path("a.exr")).image.height, 2);
 }
 
 // What options of the command line decide is what a render has counted.

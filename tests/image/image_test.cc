@@ -109,6 +109,46 @@ TEST_F(ImageFiles, ExrEqualsThatOfTheLibrary) {
   }
 }
 
+// The display window is the larger picture; the library and ReadDataWindow find the part there.
+TEST_F(ImageFiles, APartIsWrittenWithItsPlace) {
+  const Image image = Numbered(40, 37);
+  for (const ExrCompression compression : ValuesOf<ExrCompression>()) {
+    SCOPED_TRACE(ToString(compression));
+    WriteExr(Path("a.exr"), image, {}, {},
+             {.compression = compression, .placement = {5, 19, 64, 60}});
+    Imf::InputFile file(Path("a.exr").c_str(), 0);
+    EXPECT_EQ(file.header().dataWindow(), Imath::Box2i({5, 19}, {44, 55}));
+    EXPECT_EQ(file.header().displayWindow(), Imath::Box2i({0, 0}, {63, 59}));
+    std::vector<float> red(image.rgb.size() / 3);
+    Imf::FrameBuffer frame;
+    frame.insert("R", Imf::Slice::Make(Imf::FLOAT, red.data(), file.header().dataWindow()));
+    file.setFrameBuffer(frame);
+    file.readPixels(19, 55);
+    const LayeredImage back = ReadDataWindow(Path("a.exr"));
+    EXPECT_EQ(back.placement.x, 5);
+    EXPECT_EQ(back.placement.y, 19);
+    const bool loses = compression >= ExrCompression::kPxr24;
+    if (!loses) ExpectSame(back.image, image);
+    for (std::size_t i = 0; i < red.size(); ++i) {
+      ASSERT_EQ(red[i], back.image.rgb[3 * i]) << i;
+      if (!loses) {
+        ASSERT_EQ(red[i], image.rgb[3 * i]) << i;
+      }
+    }
+    const Image placed = ReadImage(Path("a.exr"));
+    ASSERT_EQ(placed.width, 64);
+    ASSERT_EQ(placed.height, 60);
+    EXPECT_EQ(placed.Pixel(44, 55)[1], back.image.Pixel(39, 36)[1]);
+    EXPECT_EQ(placed.Pixel(45, 55)[1], 0);
+  }
+  // A picture of the same size may be shifted.
+  WriteExr(Path("a.exr"), image, {}, {}, {.placement = {1, 0, 40, 37}});
+  EXPECT_EQ(ReadDataWindow(Path("a.exr")).placement.x, 1);
+  EXPECT_EQ(ReadImage(Path("a.exr")).Pixel(1, 0)[0], image.Pixel(0, 0)[0]);
+  WriteExr(Path("a.exr"), image);
+  EXPECT_EQ(ReadDataWindow(Path("a.exr")).placement.width, 0);
+}
+
 // Large chunks are deflated to other bytes, which the library has to read and which are not many
 // more, if they are fewer than those of the pixels.
 TEST_F(ImageFiles, LargeChunksAreReadByTheLibrary) {

@@ -364,7 +364,7 @@ TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
     JobRequest request;
     request.scene = folder_.Path("one.pbrt");
     request.width = 8, request.height = 6;
-    request.ground = ground;
+    request.ground = ground ? Ground::kGrey : Ground::kNone;
     if (!change.empty()) request.materials = {change};
     return RenderJob(request, &cache);
   };

@@ -171,7 +171,8 @@ TEST(MergeFilms, AFilmIsFlushedBeforeItsName) {
 }
 
 TEST(MergeFilms, MergedPartsEqualTheWholePicture) {
-  ExpectBytesOfOneRender(Request(Integrator::kPath, "all"), 10, false);
+  ExpectBytesOfOneRender(Request(Integrator::kPath, "all,crypto-object,crypto-material"), 10,
+                         false);
 }
 
 constexpr char kOfHits[] = "albedo,normal,depth,uv,object-id,coverage,samples";
@@ -381,7 +382,7 @@ class TornFilm : public testing::Test {
   static constexpr PicturePart kPart = {{0, 0, 8, 4}, {1, 4}};
 
   TornFilm() {
-    JobRequest request = Request(Integrator::kDirect, "albedo,uv,variance,lights");
+    JobRequest request = Request(Integrator::kDirect, "albedo,uv,variance,lights,crypto-object");
     request.width = 8, request.height = 8;
     const std::string path = Parts(folder_, request).Render(kPart);
     bytes_ = ReadFile(path);
@@ -456,6 +457,9 @@ TEST_F(TornFilm, AManifestThatDisagreesWithTheDataIsRefused) {
       {"/sums/layers", ""},
       {"/sums/light_groups", {"environment", "spot", "more"}},
       {"/sums/light_groups", {1}},
+      {"/sums/mattes", nullptr},
+      {"/sums/mattes/meshes", {1}},
+      {"/sums/mattes/materials", 7},
       {"/sums/extent_bits", -1},
       {"/sums/splats", "no"},
   };

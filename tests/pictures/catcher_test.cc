@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "job/catchers.h"
+#include "job/marks.h"
 #include "scene/geometry.h"
 #include "scene/instances.h"
 #include "tests/support/film_layers.h"
@@ -68,7 +68,7 @@ Rendered Render(const Scene& scene, const JobRequest& request) {
 }
 
 // Returns, by pixel, whether it shows nothing of the objects, which nothing of the place hides.
-std::vector<bool> WithoutObjects(Scene scene, JobRequest request) {
+std::vector<bool> WithoutObjects(Scene scene, const JobRequest& request) {
   scene.meshes.erase(scene.meshes.begin(), scene.meshes.begin() + kPlaceMeshes);
   for (Material& material : scene.materials) material.catcher = false;
   std::vector<bool> without;
@@ -291,7 +291,7 @@ TEST(Catchers, LayersDoNotDependOnThreadsAndWaves) {
 TEST(Catchers, MeshesAndMaterialsAreNamed) {
   Scene scene = WithObjects(PlaceScene());
   scene.meshes[2].material = scene.meshes[0].material;  // an object like the floor
-  MakeCatchers({"floor of the place", "wall"}, scene);
+  Mark("catcher", {"floor of the place", "wall"}, &Material::catcher, scene);
   EXPECT_TRUE(scene.materials[scene.meshes[0].material].catcher);
   EXPECT_TRUE(scene.materials[scene.meshes[1].material].catcher);
   EXPECT_FALSE(scene.materials[scene.meshes[2].material].catcher);

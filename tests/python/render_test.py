@@ -19,7 +19,8 @@ class RenderTest(Case):
         self.assertEqual((picture.width, picture.height), (24, 16))
         self.assertEqual((picture.rgb.shape, picture.rgb.dtype), ((16, 24, 3), numpy.float32))
         self.assertGreater(picture.rgb.mean(), 0.01)
-        self.assert_same_bits(picture.rgb, skywave.read_image("a.exr"))
+        # The file says where the crop lies in the whole picture.
+        self.assert_same_bits(picture.rgb, skywave.read_image("a.exr")[7:23, 5:29])
 
     def test_layers_and_files_are_those_of_the_command_line(self):
         self.command("render", "lamps", "--size", "40x30", "--spp", "2", "--aovs", "all", "-q",
@@ -41,6 +42,15 @@ class RenderTest(Case):
             if len(of_layer) == 1:
                 expected = expected[:, :, 0]
             self.assert_same_bits(picture.layers[name], expected)
+
+    def test_mattes_are_layers_and_holdouts_have_none(self):
+        whole = skywave.render("spheres", **SMALL, aovs="crypto-object")
+        held = skywave.render("spheres", **SMALL, aovs="crypto-object", holdout="floor")
+        matte = whole.layers["crypto_object00"]
+        self.assertEqual(matte.shape, (30, 40, 4))
+        self.assertGreater((matte[..., 0] == matte[-1, 0, 0]).sum(), 100)
+        self.assertEqual(held.layers["crypto_object00"][-1, 0].tolist(), [0, 0, 0, 0])
+        self.assertEqual(held.layers["alpha"][-1, 0], 0)
 
     def test_pictures_with_catchers_have_alpha(self):
         picture = skywave.render("spheres", **SMALL, catcher="floor")

@@ -61,7 +61,7 @@ TEST(Ground, FillsTheLowerPartOfThePicture) {
   request.samples_per_pixel = 16;
   request.options.threads = 1;
   const auto render = [&](bool ground) {
-    request.ground = ground;
+    request.ground = ground ? Ground::kGrey : Ground::kNone;
     const RenderJob job(SmallTriangle('z', false), request);
     Film film = job.MakeFilm();
     RenderFrame(job.frame(), film);

@@ -1,5 +1,7 @@
 #include "wavefront/film/aov_film.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -62,8 +64,12 @@ float ToFloat(double value) {
 }  // namespace
 
 AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
-                 std::vector<std::string> light_groups, bool has_signs)
-    : pixels_(pixels), has_signs_(has_signs), light_groups_(std::move(light_groups)) {
+                 std::vector<std::string> light_groups, bool has_signs,
+                 std::shared_ptr<const Mattes> mattes)
+    : pixels_(pixels),
+      has_signs_(has_signs),
+      light_groups_(std::move(light_groups)),
+      matte_names_(std::move(mattes)) {
   for (std::size_t i = 0; i < Aovs().size(); ++i) {
     const Aov& aov = Aovs()[i];
     if ((aovs >> i & 1) == 0 || aov.read == nullptr) continue;
@@ -86,7 +92,15 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
     half_squares_.resize(pixels * 3);
   }
   if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
-  if (Sums(aovs, AovSum::kAlpha)) weights_.resize(pixels * kFirsts);
+  if (Sums(aovs, AovSum::kAlpha) || Sums(aovs, AovSum::kMatte)) weights_.resize(pixels * kFirsts);
+  for (std::size_t i = 0; i < Aovs().size(); ++i) {
+    if ((aovs >> i & 1) == 0 || Aovs()[i].sum != AovSum::kMatte) continue;
+    const auto of = std::size_t(Aovs()[i].matte);
+    MatteSums& sums = mattes_[of];
+    sums.slots = SlotsOf((*matte_names_)[of]);
+    sums.ids.resize(sums.slots * pixels);
+    sums.weights.resize(sums.slots * pixels);
+  }
   if ((aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
     for (FilmValues<std::uint64_t>& part : light_parts_) part.resize(pixels * 3);
     if (weights_.empty()) weights_.resize(pixels * kFirsts);
@@ -103,8 +117,9 @@ bool AovFilm::BecomesNearest(std::uint32_t pixel, std::uint64_t key) {
 void AovFilm::AddWeights(const FirstHits& hits) {
   const auto add = [&](std::uint32_t path, std::size_t plane) {
     const double weight = hits.filter.WeightAt(hits.film.u[path], hits.film.v[path]);
-    weights_[kFirsts * hits.paths.pixel[path] + plane] +=
-        std::uint64_t(std::llrint(weight * kWeightUnits));
+    const auto units = std::uint64_t(std::llrint(weight * kWeightUnits));
+    weights_[kFirsts * hits.paths.pixel[path] + plane] += units;
+    return units;
   };
   for (std::uint32_t path = 0; path < hits.rays; ++path) {
     if (hits.hits.geom[path] == kNoHit) add(path, kNothing);
@@ -112,8 +127,33 @@ void AovFilm::AddWeights(const FirstHits& hits) {
   const SurfaceColumns& surfaces = hits.first.surfaces;
   for (std::uint32_t i = 0; i < hits.first.count; ++i) {
     const bool caught = hits.first.geometry.IsCatcher(surfaces.triangle[i]);
-    add(surfaces.path[i], caught ? kCatchers : kObjects);
+    const std::uint64_t weight = add(surfaces.path[i], caught ? kCatchers : kObjects);
+    const std::uint32_t numbers[] = {hits.first.geometry.MeshOf(surfaces.triangle[i]),
+                                     surfaces.material[i] & kMaterialMask};  // by MatteOf
+    for (std::size_t of = 0; of < kMattes; ++of) {
+      if (mattes_[of].ids.empty()) continue;
+      AddToMatte(hits.paths.pixel[surfaces.path[i]], (*matte_names_)[of].ids[numbers[of]], weight,
+                 mattes_[of]);
+    }
   }
+}
+
+void AovFilm::AddMattes(const AovFilm& other, std::size_t from_pixel, std::size_t to_pixel) {
+  for (std::size_t of = 0; of < kMattes; ++of) {
+    const MatteSums& from = other.mattes_[of];
+    const std::size_t end = from.ids.size();
+    for (std::size_t at = from_pixel; at < end && from.ids[at] != 0; at += other.pixels_) {
+      AddToMatte(to_pixel, from.ids[at], from.weights[at], mattes_[of]);
+    }
+  }
+}
+
+double AovFilm::WeightOf(std::size_t pixel) const {
+  double all = 0;
+  for (std::size_t first = 0; first < kFirsts; ++first) {
+    all += SumValue(weights_[kFirsts * pixel + first], has_signs_);
+  }
+  return all;
 }
 
 void AovFilm::AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n,
@@ -222,15 +262,46 @@ double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t sampl
 
 std::vector<NamedChannel> AovFilm::Channels(AovSet wanted, std::size_t pixels) const {
   std::vector<NamedChannel> channels;
-  ForEachChannel(wanted, light_groups_.size(),
-                 [&](const Aov& aov, std::size_t group, std::size_t c) {
-                   const bool split = aov.sum == AovSum::kLightGroups;
-                   const std::string layer =
-                       std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
-                   channels.push_back({.name = layer + "." + aov.channels[c], .values = {}});
-                   ResizeLarge(channels.back().values, pixels);
-                 });
+  ForEachChannel(
+      wanted, light_groups_.size(), [&](const Aov& aov, std::size_t group, std::size_t c) {
+        const std::string of_group =
+            aov.sum == AovSum::kLightGroups ? light_groups_[group] : fmt::format("{:02}", group);
+        channels.push_back(
+            {.name = LayerName(aov, of_group) + "." + aov.channels[c], .values = {}});
+        ResizeLarge(channels.back().values, pixels);
+      });
   return channels;
+}
+
+Metadata AovFilm::Attributes(AovSet wanted) const {
+  Metadata attributes;
+  for (std::size_t i = 0; i < Aovs().size(); ++i) {
+    const Aov& aov = Aovs()[i];
+    if ((wanted >> i & 1) == 0 || aov.sum != AovSum::kMatte) continue;
+    for (auto& attribute :
+         MatteAttributes(LayerName(aov, ""), (*matte_names_)[std::size_t(aov.matte)])) {
+      attributes.push_back(std::move(attribute));
+    }
+  }
+  return attributes;
+}
+
+// Writes the layers of a matte to its channels: an id as the bits of a float, then its share of the
+// weights of the pixel, rank by rank.
+void AovFilm::ResolveMatte(MatteOf matte, const FilmArea& area, int first, int end,
+                           std::span<NamedChannel> channels) const {
+  const MatteSums& sums = mattes_[std::size_t(matte)];
+  ResolveRows(area, first, end, [&](std::size_t to, std::size_t from, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double all = WeightOf(from + i);
+      const std::array<MatteShare, kMatteRanks> ranks = RanksOf(sums, from + i);
+      for (std::size_t rank = 0; rank < kMatteRanks; ++rank) {
+        channels[2 * rank].values[to + i] = std::bit_cast<float>(ranks[rank].id);
+        channels[2 * rank + 1].values[to + i] =
+            all > 0 ? float(std::max(ranks[rank].weight / all, 0.0)) : 0;
+      }
+    }
+  });
 }
 
 void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
@@ -272,7 +343,7 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
         const auto weight = [&](std::size_t of) {
           return SumValue(weights_[kFirsts * pixel + of], has_signs_);
         };
-        const double all = weight(kObjects) + weight(kCatchers) + weight(kNothing);
+        const double all = WeightOf(pixel);
         if (!(all > 0)) return 0;
         return (weight(kObjects) + (1 - Kept(pixel)) * weight(kCatchers)) / all;
       }
@@ -291,6 +362,8 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
       }
       case AovSum::kLightGroups:
         return SumValue(lit_[group * pixels_ * 3 + i], has_signs_) * unit_of_mean;
+      case AovSum::kMatte:
+        break;  // ResolveMatte
     }
     return 0;
   };
@@ -310,6 +383,7 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
   ResolveRows(area, first, end, [&](std::size_t to, std::size_t from, std::size_t n) {
     for (std::size_t k = 0; k < sources.size(); ++k) {
       const Source& source = sources[k];
+      if (source.aov.sum == AovSum::kMatte) continue;
       const std::size_t per_pixel = source.aov.channels.size();
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t pixel = from + i;
@@ -318,6 +392,12 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
       }
     }
   });
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const Source& source = sources[k];
+    if (source.aov.sum != AovSum::kMatte || source.group != 0 || source.channel != 0) continue;
+    ResolveMatte(source.aov.matte, area, first, end,
+                 std::span(channels).subspan(k, 2 * kMatteRanks));
+  }
 }
 
 }  // namespace skywave

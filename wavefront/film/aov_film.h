@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "wavefront/film/film_column.h"
 #include "wavefront/film/film_memory.h"
 #include "wavefront/film/light_groups.h"
+#include "wavefront/film/mattes.h"
 
 namespace skywave {
 
@@ -41,9 +43,10 @@ enum class LightPart {
 class AovFilm {
  public:
   // No position or depth is larger than `world_extent`. `light_groups` are the names of the groups.
-  // `has_signs` is that of the film.
+  // `has_signs` is that of the film; `mattes` are the names of its mattes.
   AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
-          std::vector<std::string> light_groups, bool has_signs = false);
+          std::vector<std::string> light_groups, bool has_signs = false,
+          std::shared_ptr<const Mattes> mattes = nullptr);
 
   void AddFirstHits(const FirstHits& hits);
   // These add the radiance of paths [0, n) when all of it is there, and when all direct light is.
@@ -94,10 +97,19 @@ class AovFilm {
       f(
           [part](auto& film) -> auto& { return film.light_parts_[part]; }, FilmColumn{3});
     }
+    for (std::size_t k = 0; k < mattes_.size(); ++k) {
+      const FilmColumn column = {.planes = mattes_[k].slots, .of_matte = true};
+      f(
+          [k](auto& film) -> auto& { return film.mattes_[k].ids; }, column);
+      f(
+          [k](auto& film) -> auto& { return film.mattes_[k].weights; }, column);
+    }
     f(
         [](auto& film) -> auto& { return film.nearest_; },
         FilmColumn{.of_nearest = true, .starts_filled = true});
   }
+  // Adds what the mattes of another film like this one hold of a pixel.
+  void AddMattes(const AovFilm& other, std::size_t from_pixel, std::size_t to_pixel);
   // Returns the variance of a sample [1 / scale.units^2] in value `i`, channel i % 3 of pixel i /
   // 3, whose `samples` samples have this sum. The layer variance is kept.
   double VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const;
@@ -107,6 +119,8 @@ class AovFilm {
   // Returns one entry per channel of every layer of `wanted`, which are kept, with room for so many
   // pixels.
   std::vector<NamedChannel> Channels(AovSet wanted, std::size_t pixels) const;
+  // Returns what the header of a picture says of these layers.
+  Metadata Attributes(AovSet wanted) const;
   // Writes rows [first, end) of the picture of `area` to those channels, which are of the whole
   // picture. `radiance` holds the film's own sums, three per pixel [1 / scale.units].
   void Resolve(AovSet wanted, const FilmArea& area, int first, int end,
@@ -131,6 +145,10 @@ class AovFilm {
     return SumValue(light_parts_[std::size_t(part)][i], has_signs_);
   }
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
+  // Returns the weights of all samples of a pixel together.
+  double WeightOf(std::size_t pixel) const;
+  void ResolveMatte(MatteOf matte, const FilmArea& area, int first, int end,
+                    std::span<NamedChannel> channels) const;
 
   std::size_t pixels_;
   bool has_signs_;
@@ -148,6 +166,8 @@ class AovFilm {
   // that have none: three per pixel.
   FilmValues<std::uint64_t> weights_;
   std::array<FilmValues<std::uint64_t>, 3> light_parts_;  // three per pixel [1 / scale.units]
+  std::shared_ptr<const Mattes> matte_names_;
+  std::array<MatteSums, kMattes> mattes_;  // by MatteOf
 };
 
 }  // namespace skywave

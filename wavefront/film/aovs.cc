@@ -122,6 +122,16 @@ constexpr Aov kAovs[] = {
      .sum = AovSum::kForeground,
      .help = "the beauty to put over a photograph by alpha",
      .of_composites = true},
+    {.name = "crypto-object",
+     .channels = "RGBA",
+     .sum = AovSum::kMatte,
+     .help = "Cryptomatte of the meshes, by name",
+     .matte = MatteOf::kObjects},
+    {.name = "crypto-material",
+     .channels = "RGBA",
+     .sum = AovSum::kMatte,
+     .help = "Cryptomatte of the materials, by name",
+     .matte = MatteOf::kMaterials},
 };
 static_assert(std::size(kAovs) < 32);
 
@@ -151,7 +161,7 @@ std::optional<AovSet> ParseOne(std::string_view name) {
 std::span<const Aov> Aovs() { return kAovs; }
 
 AovSet AllAovs() {
-  return Those([](const Aov& aov) { return !aov.of_composites; });
+  return Those([](const Aov& aov) { return !aov.of_composites && aov.sum != AovSum::kMatte; });
 }
 
 AovSet AovsOf(AovSum sum) {
@@ -183,6 +193,15 @@ std::string ToString(AovSet aovs) {
   return text;
 }
 
+std::string LayerName(const Aov& aov, std::string_view group) {
+  std::string name(aov.name);
+  if (aov.sum == AovSum::kLightGroups) return name + "-" + std::string(group);
+  if (aov.sum != AovSum::kMatte) return name;
+  // Programs that read mattes know no hyphens.
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name + std::string(group);
+}
+
 std::size_t ChannelCount(AovSet aovs, std::size_t light_groups) {
   std::size_t channels = 0;
   ForEachChannel(aovs, light_groups, [&](const Aov&, std::size_t, std::size_t) { ++channels; });
@@ -197,7 +216,8 @@ bool NeedsUvs(AovSet aovs) {
 
 bool ReadsHits(AovSet aovs) {
   const AovSet of_hits = Those([](const Aov& aov) {
-    return aov.read != nullptr || aov.sum == AovSum::kCoverage || aov.of_composites;
+    return aov.read != nullptr || aov.sum == AovSum::kCoverage || aov.sum == AovSum::kMatte ||
+           aov.of_composites;
   });
   return (aovs & of_hits) != 0;
 }

@@ -13,6 +13,7 @@
 #include "kernels/camera.h"
 #include "kernels/columns.h"
 #include "scene/geometry.h"
+#include "wavefront/film/mattes.h"
 
 namespace skywave {
 
@@ -34,6 +35,7 @@ enum class AovSum {
   kShadow,      // light of catchers with the objects over that without them
   kDifference,  // the same, subtracted
   kForeground,  // the beauty without what is behind it
+  kMatte        // ids of first surfaces and their shares (wavefront/film/mattes.h)
 };
 
 // The range that a mean can hold without being clamped decides the unit of its sums.
@@ -60,6 +62,7 @@ struct Aov {
   AovRange range = AovRange::kUnit;
   float background = 0;        // value where nothing was hit
   bool of_composites = false;  // kept for catchers and transparent backgrounds, and not in "all"
+  MatteOf matte = MatteOf::kObjects;  // what a matte is of; mattes are not in "all" either
 };
 
 // Returns all of them, in the order of help texts.
@@ -68,7 +71,7 @@ std::span<const Aov> Aovs();
 // A set of lines of the table has bit i for Aovs()[i].
 using AovSet = std::uint32_t;
 
-// Returns all lines of the table but those of composites.
+// Returns all lines of the table but mattes and those of composites.
 AovSet AllAovs();
 // Returns the lines that sum like that.
 AovSet AovsOf(AovSum sum);
@@ -78,14 +81,20 @@ AovSet CatcherAovs();
 std::optional<AovSet> ParseAovs(std::string_view names);
 // Returns the names, separated by commas.
 std::string ToString(AovSet aovs);
+// Returns the name of a layer of the EXR; `group` is the name of its group of lights, or the number
+// of a layer of a matte.
+std::string LayerName(const Aov& aov, std::string_view group);
 // Calls f(aov, group, channel) for each channel of the layers `aovs`, in their order. The layer of
-// light groups is there once for each of `light_groups` groups; the others have group 0.
+// light groups is there once for each of `light_groups` groups, and a matte has kMatteLayers; the
+// others have group 0.
 template <class F>
 void ForEachChannel(AovSet aovs, std::size_t light_groups, F f) {
   for (std::size_t k = 0; k < Aovs().size(); ++k) {
     if ((aovs >> k & 1) == 0) continue;
     const Aov& aov = Aovs()[k];
-    const std::size_t groups = aov.sum == AovSum::kLightGroups ? light_groups : 1;
+    const std::size_t groups = aov.sum == AovSum::kLightGroups ? light_groups
+                               : aov.sum == AovSum::kMatte     ? kMatteLayers
+                                                               : 1;
     for (std::size_t group = 0; group < groups; ++group) {
       for (std::size_t c = 0; c < aov.channels.size(); ++c) f(aov, group, c);
     }

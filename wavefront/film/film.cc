@@ -35,7 +35,7 @@ Film::Film(FilmLayout layout)
   unit_ = std::ldexp(1 / sample_units(), RangeExponent(layout_.brightest_radiance));
   if (layout_.aovs != 0) {
     aovs_.emplace(layout_.aovs, sums_.size() / 3, layout_.world_extent, layout_.light_groups,
-                  layout_.has_signs);
+                  layout_.has_signs, layout_.mattes);
   }
 }
 
@@ -106,7 +106,9 @@ void Film::AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t 
 bool Film::SumsLike(const Film& other) const {
   return unit_ == other.unit_ && layout_.has_signs == other.layout_.has_signs &&
          layout_.aovs == other.layout_.aovs && layout_.world_extent == other.layout_.world_extent &&
-         layout_.light_groups == other.layout_.light_groups;
+         layout_.light_groups == other.layout_.light_groups &&
+         (layout_.mattes == other.layout_.mattes ||
+          (layout_.mattes && other.layout_.mattes && *layout_.mattes == *other.layout_.mattes));
 }
 
 void Film::Merge(const Film& other) {
@@ -127,6 +129,7 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
   assert(y >= 0 && y + window.height <= layout_.area.height);
   const std::size_t pixels = sums_.size() / 3, other_pixels = other.sums_.size() / 3;
   ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    if (column.of_matte) return;
     auto& to = values_of(*this);
     const auto& from = values_of(other);
     for (std::size_t plane = 0; plane < column.planes; ++plane) {
@@ -149,6 +152,13 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
       ForEachRun(window, other.layout_.area.width, x, y, layout_.area.width, add);
     }
   });
+  if (!layout_.mattes) return;
+  ForEachRun(window, other.layout_.area.width, x, y, layout_.area.width,
+             [&](std::size_t to_pixel, std::size_t from_pixel, std::size_t n) {
+               for (std::size_t i = 0; i < n; ++i) {
+                 aovs_->AddMattes(*other.aovs_, from_pixel + i, to_pixel + i);
+               }
+             });
 }
 
 Film Film::Cut(const CropWindow& window) const {
@@ -212,8 +222,11 @@ std::vector<NamedChannel> Film::ResolveAovs(const SampleCounts& samples, AovSet 
 
 LayeredImage Film::EmptyPicture(AovSet wanted) const {
   const CropWindow& picture = layout_.area.picture;
-  LayeredImage empty = {Image(picture.width, picture.height), {}};
-  if (aovs_) empty.layers = aovs_->Channels(wanted, empty.image.rgb.size() / 3);
+  LayeredImage empty = {Image(picture.width, picture.height)};
+  if (aovs_) {
+    empty.layers = aovs_->Channels(wanted, empty.image.rgb.size() / 3);
+    empty.attributes = aovs_->Attributes(wanted);
+  }
   return empty;
 }
 

@@ -19,6 +19,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,6 +46,7 @@ struct FilmLayout {
   bool shared = false;                         // gets splats
   std::vector<std::string> light_groups = {};  // see AovFilm
   bool has_signs = false;                      // samples may be negative
+  std::shared_ptr<const Mattes> mattes = {};   // of a film that keeps mattes
 };
 
 // The memory of a pixel of a film [bytes].

@@ -29,6 +29,20 @@ void CountRays(const RayColumns& rays, std::uint32_t n, std::uint32_t bounce, Wo
   occupancy.capacity += w.paths.rows();
 }
 
+// Lets rays [0, n) that begin paths at holdouts end there with nothing: they are of no surface, and
+// see no light.
+void CutHoldouts(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                 std::uint32_t bounce, const HitColumns& hits) {
+  const std::uint8_t* const holdouts = frame.geometry->holdouts();
+  if (holdouts == nullptr || bounce > 0) return;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (hits.geom[i] == kNoHit) continue;
+    if (holdouts[MaterialOf(frame.tracer.triangles[hits.triangle[i]])] == 0) continue;
+    hits.geom[i] = kNoHit;
+    rays.throughput_r[i] = rays.throughput_g[i] = rays.throughput_b[i] = 0;
+  }
+}
+
 // Makes the keys of the rays that arrive at a bounce.
 RayKeys PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
                     const RayColumns& rays, std::uint32_t n, const Worker& w) {
@@ -152,6 +166,7 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
   }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
+  CutHoldouts(frame, rays, n, bounce, w.hits);
   SeeObjects(frame, rays, n, bounce, /*known=*/true, w);
   if (frame.geometry->has_mixtures()) {
     const MixtureUniforms mixture(w.scratch);
@@ -212,6 +227,7 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
     const RayKeys keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
     if (frame.has_emitters()) {
       TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
+      CutHoldouts(frame, rays, n, bounce, w.hits);
     } else {
       TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
     }

@@ -1,4 +1,4 @@
-#include "job/catchers.h"
+#include "job/marks.h"
 
 #include <fmt/format.h>
 
@@ -20,39 +20,40 @@ void ForEachMesh(Scene& scene, const F& f) {
   }
 }
 
-[[noreturn]] void Refuse(const std::string& name, Scene& scene) {
+[[noreturn]] void Refuse(const std::string& option, const std::string& name, Scene& scene) {
   std::set<std::string_view> known;
   for (const Material& material : scene.materials) known.insert(material.name);
   ForEachMesh(scene, [&](const Mesh& mesh) { known.insert(mesh.name); });
   known.erase("");
-  throw OptionError("catcher", name,
+  throw OptionError(option, name,
                     fmt::format("no material and no mesh has this name; there are {}",
                                 NearestFirst(name, {known.begin(), known.end()})));
 }
 
 }  // namespace
 
-void MakeCatchers(const std::vector<std::string>& names, Scene& scene) {
+void Mark(const std::string& option, const std::vector<std::string>& names, bool Material::*mark,
+          Scene& scene) {
   std::map<std::uint32_t, std::uint32_t> copies;  // by the material that they are of
   for (const std::string& name : names) {
     bool found = false;
     for (Material& material : scene.materials) {
-      if (material.name == name) material.catcher = found = true;
+      if (material.name == name) material.*mark = found = true;
     }
     ForEachMesh(scene, [&](Mesh& mesh) {
       if (mesh.name != name) return;
       found = true;
-      if (scene.materials[mesh.material].catcher) return;
+      if (scene.materials[mesh.material].*mark) return;
       const auto [copy, is_new] =
           copies.emplace(mesh.material, std::uint32_t(scene.materials.size()));
       if (is_new) {
-        Material catcher = scene.materials[mesh.material];
-        catcher.catcher = true;
-        scene.materials.push_back(std::move(catcher));
+        Material marked = scene.materials[mesh.material];
+        marked.*mark = true;
+        scene.materials.push_back(std::move(marked));
       }
       mesh.material = copy->second;
     });
-    if (!found) Refuse(name, scene);
+    if (!found) Refuse(option, name, scene);
   }
 }
 
