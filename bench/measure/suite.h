@@ -27,7 +27,7 @@ struct SuiteScene {
   int width, height;
   std::uint32_t samples_per_pixel;
   Fingerprint expected;        // with the hash that processors of Intel find
-  std::uint64_t amd_hash = 0;  // 0: no processor of AMD has rendered the picture yet
+  std::uint64_t amd_hash = 0;  // 0: not known
 };
 // The quick suite takes under a minute on two cores, the full one some minutes.
 std::span<const SuiteScene> SuiteScenes(bool full);
