@@ -3,9 +3,10 @@
 namespace skywave {
 
 std::vector<Command> AllCommands() {
-  return {RenderCommand(),   DenoiseCommand(), MergeCommand(),   BatchCommand(),
-          InfoCommand(),     PathsCommand(),   CompareCommand(), StrategiesCommand(),
-          ConvergeCommand(), BenchCommand(),   ProbeCommand(),   OptionsCommand()};
+  return {RenderCommand(),     DenoiseCommand(),  MergeCommand(), RelightCommand(),
+          BatchCommand(),      InfoCommand(),     PathsCommand(), CompareCommand(),
+          StrategiesCommand(), ConvergeCommand(), BenchCommand(), ProbeCommand(),
+          OptionsCommand()};
 }
 
 }  // namespace skywave

@@ -10,6 +10,7 @@ namespace skywave {
 Command RenderCommand();
 Command DenoiseCommand();
 Command MergeCommand();
+Command RelightCommand();
 Command BatchCommand();
 Command InfoCommand();
 Command PathsCommand();

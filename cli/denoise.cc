@@ -15,7 +15,6 @@
 #include "job/denoise/denoise.h"
 #include "job/exposure.h"
 #include "job/picture.h"
-#include "wavefront/film/mattes.h"
 
 namespace skywave {
 namespace {
@@ -27,17 +26,6 @@ struct DenoiseFlags {
   int threads = 0;
   bool quiet = false;
 };
-
-// Returns the metadata of the noisy picture for the clean one, which its command does not repeat
-// and which has none of its other layers.
-Metadata MetadataOf(const std::string& path, const ReadLimits& limits) {
-  Metadata metadata = ReadExrMetadata(path, limits);
-  std::erase_if(metadata, [](const auto& text) { return IsOfMatte(text.first); });
-  for (auto& [name, text] : metadata) {
-    if (name == "command") name = "noisyCommand";
-  }
-  return metadata;
-}
 
 // Returns the notes of a picture that is to be denoised.
 std::vector<std::string> CheckNoisy(const std::string& path, const ReadLimits& limits) {
@@ -59,11 +47,12 @@ int DenoiseMain(const DenoiseFlags& flags) {
   const LayeredImage noisy = ReadDataWindow(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));
   Denoised clean = arena.execute([&] { return Denoise(flags.input, noisy.image, noisy.layers); });
-  Picture picture = {.image = std::move(clean.image),
-                     .layers = noisy.layers,
-                     .notes = std::move(notes),
-                     .metadata = MetadataOf(flags.input, flags.limits),
-                     .placement = noisy.placement};
+  Picture picture = {
+      .image = std::move(clean.image),
+      .layers = noisy.layers,
+      .notes = std::move(notes),
+      .metadata = OfDerived(ReadExrMetadata(flags.input, flags.limits), "noisyCommand"),
+      .placement = noisy.placement};
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
   ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());
   if (!exposure.exposure && exposure.photo.shutter_seconds <= 0 &&

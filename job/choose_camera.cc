@@ -40,8 +40,9 @@ Camera Orbited(Camera camera, const glm::vec3& middle, float degrees, const Scen
 
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
                     float aspect) {
-  const Camera* const of_scene =
-      request.name.empty() && request.placed ? &*request.placed : SceneCamera(scene, request.name);
+  const Camera* const of_scene = request.placed && (request.name.empty() || !request.from.empty())
+                                     ? &*request.placed
+                                     : SceneCamera(scene, request.name);
   Camera camera =
       of_scene ? *of_scene : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);

@@ -43,6 +43,7 @@ Json ToJson(const PictureIdentity& identity) {
                {"samples", identity.samples},
                {"seed", identity.seed},
                {"repeatable", identity.repeatable},
+               {"backplate", identity.backplate},
                {"options", Json::array()}};
   for (const RecordedOption& option : identity.options) {
     json["options"].push_back(
@@ -159,7 +160,8 @@ PictureIdentity IdentityFrom(const Json& json) {
                               .samples = Whole<std::uint32_t>(json.at("samples")),
                               .seed = Whole<std::uint32_t>(json.at("seed")),
                               .repeatable = json.at("repeatable"),
-                              .options = {}};
+                              .options = {},
+                              .backplate = json.value("backplate", "")};
   for (const Json& option : json.at("options")) {
     identity.options.push_back({.name = option.at("name"),
                                 .words = option.at("words"),

@@ -11,6 +11,8 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/granted.h"
+#include "job/backplate.h"
+#include "job/camera_file.h"
 #include "job/choose_camera.h"
 #include "job/denoise/denoise.h"
 #include "job/map_sequence.h"
@@ -119,6 +121,14 @@ std::vector<std::uint8_t> ObjectLamps(const Geometry& geometry, const LocalLight
   return lamps;
 }
 
+// Returns the patches of a sky over a scene. North is where the middle of a map looks that is not
+// turned.
+SkyPatches SkyOf(SkyDivision division, const Scene& scene) {
+  const glm::mat3 frame = EnvironmentFrame(scene.up_axis, scene.left_handed, 0);
+  const auto axis = [&](int i) { return std::array{frame[i].x, frame[i].y, frame[i].z}; };
+  return {.division = division, .east = axis(0), .north = axis(1), .up = axis(2)};
+}
+
 // Returns the seed of the random numbers of a frame of an animation, by the finalizer of SplitMix64
 // (Steele, Lea and Flood 2014).
 std::uint32_t SeedOfFrame(std::uint32_t seed, double frame) {
@@ -160,7 +170,9 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
     notes_.push_back(fmt::format("{}: has no animation, so all of its frames are the same{}",
                                  request.scene, request.coherent_noise ? "" : " but for noise"));
   }
-  request_ = ResolveRequest(request, parts.loaded().settings, notes_);
+  request_ = request;
+  TakeCameraOfFile(request_, warnings_);
+  request_ = ResolveRequest(std::move(request_), parts.loaded().settings, notes_);
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
   }
@@ -203,10 +215,25 @@ void RenderJob::PlanComposites(const Scene& scene) {
     throw OptionError("aovs", ToString(options.aovs),
                       "the scene has no catchers: name some, as in `catcher ground`");
   }
-  if (HasHoldouts(scene)) {
+  if (HasHoldouts(scene) || !request_.backplate.empty()) {
     request_.background = request_.background.value_or(Background::kTransparent);
   }
+  if (!request_.backplate.empty()) {
+    if (request_.background == Background::kMap) {
+      throw OptionError("backplate", request_.backplate,
+                        "is behind pictures with alpha, and `background map` has none");
+    }
+    const Backplate plate = ReadBackplate(request_.backplate, *request_.width, *request_.height);
+    if (!plate.note.empty()) notes_.push_back(plate.note);
+  }
   if (request_.background == Background::kTransparent) layers |= AovsOf(AovSum::kAlpha);
+  if (request_.sky_patches != SkyDivision::kNone) {
+    if (options.of<ControlOptions>().control != ControlVariate::kNone) {
+      throw OptionError("sky-patches", std::string(ToString(request_.sky_patches)),
+                        "what `control` knows is light of the whole sky");
+    }
+    layers |= AovsOf(AovSum::kLightGroups);
+  }
   if (layers == 0) return;
   options.aovs |= layers;
   CheckResolved(request_);
@@ -237,7 +264,8 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
                     brightest_, kLeastRadiance));
   }
   if (Sums(options().aovs, AovSum::kLightGroups)) {
-    light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view());
+    light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view(),
+                                    SkyOf(request_.sky_patches, *prepared.scene));
   }
   if (Sums(options().aovs, AovSum::kMatte)) {
     mattes_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));

@@ -10,10 +10,21 @@
 
 namespace skywave {
 
+bool HasNumber(const std::string& path) {
+  return std::filesystem::path(path).filename().string().find('#') != std::string::npos;
+}
+
+std::string NumberedFile(const std::string& path, std::int64_t number) {
+  const std::size_t last = path.rfind('#');
+  const std::size_t before = path.find_last_not_of('#', last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  return fmt::format("{}{:0{}}{}", path.substr(0, first), number, last - first + 1,
+                     path.substr(last + 1));
+}
+
 bool IsMapSequence(const std::string& path) {
   std::error_code ignored;
-  return std::filesystem::path(path).filename().string().find('#') != std::string::npos &&
-         !std::filesystem::exists(path, ignored);
+  return HasNumber(path) && !std::filesystem::exists(path, ignored);
 }
 
 std::string MapFile(const JobRequest& request) {
@@ -29,11 +40,7 @@ std::string MapFile(const JobRequest& request) {
     throw OptionError({{"frame", fmt::format("{}", frame)}, {"env", path}},
                       "only whole frames have a map");
   }
-  const std::size_t last = path.rfind('#');
-  const std::size_t before = path.find_last_not_of('#', last);
-  const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  return fmt::format("{}{:0{}}{}", path.substr(0, first), std::int64_t(frame), last - first + 1,
-                     path.substr(last + 1));
+  return NumberedFile(path, std::int64_t(frame));
 }
 
 }  // namespace skywave

@@ -181,9 +181,9 @@ std::string_view SceneHelp() {
 std::vector<JobOption> CommonRows() {
   // clang-format off
   return {
-    Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
+    Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true, .of_file = true},
           FIELD(scene), Texts("SCENE")),
-    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM); #### in its name stands for the number of --frame", .scope = kInput, .example = "--env map.exr"},
+    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM); #### in its name stands for the number of --frame", .scope = kInput, .example = "--env map.exr", .of_file = true},
           FIELD(environment.path), Texts("MAP")),
     Resolved(SizeOption({.name = "size", .help = "size of the film [pixels]", .scope = kPixels, .example = "--size 9x7"}), ResolveSize),
     FromScene({.name = "spp", .help = "samples per pixel", .scope = kPixels, .example = "--spp 3"},
@@ -214,6 +214,9 @@ std::vector<JobOption> CommonRows() {
     Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 
+    Plain({.name = "sky-patches", .group = kLight, .help = "keep the light of each patch of the sky apart, as layers lights-sky-000 (the ground) and so on: 145 of Tregenza's or 577 of Reinhart's", .scope = kPixels, .example = "--sky-patches tregenza --size 9x7"},
+          FIELD(sky_patches), NamesOfEnum<SkyDivision>()),
+
     Plain({.name = "camera", .group = kCamera, .help = "kind of camera", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
           FIELD(camera.kind), NamesOfEnum<CameraKind>()),
     Plain({.name = "eye", .group = kCamera, .help = "position", .scope = kPixels, .example = "--eye=-1.5,2,3", .default_text = "the scene's, or one that sees all of it"},
@@ -226,7 +229,9 @@ std::vector<JobOption> CommonRows() {
           FIELD(camera.lens_radius), Floats(0, 1e12)),
     Plain({.name = "focal-distance", .group = kCamera, .help = "distance in focus", .scope = kPixels, .example = "--lens-radius 0.1 --focal-distance 2.25", .default_text = "the middle of the scene"},
           FIELD(camera.focal_distance), Floats(1e-12, 1e12)),
-    Plain({.name = "scene-camera", .group = kCamera, .help = "name of one of the scene's cameras (skywave info lists them)", .scope = kPixels, .example = "moving.gltf --scene-camera side", .default_text = "its first one", .metavar = "NAME"},
+    Plain({.name = "camera-from", .group = kCamera, .help = "camera that took a photograph: transforms.json of NeRF data, images.txt of COLMAP with cameras.txt beside it, or JSON with K, R and t of OpenCV; the film has the size of the photograph unless --size is given", .scope = kInput, .example = "--camera-from camera.json", .default_text = "the scene's", .metavar = "FILE", .of_file = true},
+          FIELD(camera.from), Texts("a file of cameras")),
+    Plain({.name = "scene-camera", .group = kCamera, .help = "name of one of the scene's cameras (skywave info lists them), or of a photograph of --camera-from", .scope = kPixels, .example = "moving.gltf --scene-camera side", .default_text = "its first one", .metavar = "NAME"},
           FIELD(camera.name), Texts("the name of a camera")),
     Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
           FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
@@ -242,8 +247,10 @@ std::vector<JobOption> CommonRows() {
           FIELD(catchers), Texts("the name of a material or a mesh")),
     Plain({.name = "holdout", .group = kComposites, .help = "materials or meshes that cut holes: where the camera sees them first, the picture is empty, and elsewhere they stop and reflect light as ever", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --holdout ground", .default_text = "none", .metavar = "NAME,NAME...", .most_values = 1000, .delimiter = ','},
           FIELD(holdouts), Texts("the name of a material or a mesh")),
-    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher and --holdout"},
+    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher, --holdout and --backplate"},
           FIELD(background), NamesOfEnum<Background>()),
+    Plain({.name = "backplate", .group = kComposites, .help = "photograph behind the scene, scaled to cover the film: the PNG and the layer composite show the picture over it", .scope = kInput, .example = "--backplate map.exr", .default_text = "none", .metavar = "FILE", .of_file = true},
+          FIELD(backplate), Texts("a picture")),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),

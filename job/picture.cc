@@ -13,6 +13,7 @@
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
+#include "job/backplate.h"
 #include "job/denoise/denoise.h"
 
 namespace skywave {
@@ -70,6 +71,18 @@ bool IsOfLayers(std::string_view channel, AovSet layers) {
   return false;
 }
 
+// Returns the colours of a picture as layers called `name`.
+std::vector<NamedChannel> ChannelsOf(std::string_view name, const Image& image) {
+  std::vector<NamedChannel> channels;
+  for (const std::size_t c : {0, 1, 2}) {
+    NamedChannel& channel =
+        channels.emplace_back(NamedChannel{fmt::format("{}.{}", name, "RGB"[c]), {}});
+    channel.values.reserve(image.rgb.size() / 3);
+    for (std::size_t i = c; i < image.rgb.size(); i += 3) channel.values.push_back(image.rgb[i]);
+  }
+  return channels;
+}
+
 // Replaces the picture by a clean one, by the layers that the denoiser reads, and adds those that
 // denoising adds.
 void Clean(const std::string& scene, Picture& picture) {
@@ -80,13 +93,8 @@ void Clean(const std::string& scene, Picture& picture) {
     return;
   }
   Denoised clean = Denoise(scene, picture.image, picture.layers);
-  for (const std::size_t c : {0, 1, 2}) {
-    NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
-    noisy.values.reserve(picture.image.rgb.size() / 3);
-    for (std::size_t i = c; i < picture.image.rgb.size(); i += 3) {
-      noisy.values.push_back(picture.image.rgb[i]);
-    }
-    picture.layers.push_back(std::move(noisy));
+  for (NamedChannel& channel : ChannelsOf("noisy", picture.image)) {
+    picture.layers.push_back(std::move(channel));
   }
   for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
@@ -101,6 +109,18 @@ std::vector<float> TakeLayer(std::string_view name, Picture& picture) {
   std::vector<float> values = std::move(found->values);
   picture.layers.erase(found);
   return values;
+}
+
+// Puts the picture over its backplate. One for screens has the colours of the PNG without a tone
+// curve: the exposure that multiplies all of the composite there is taken from it.
+void PutOverBackplate(const PictureIdentity& identity, const CropWindow& window, Picture& picture) {
+  const Backplate plate =
+      ReadBackplate(identity.backplate, identity.film.width, identity.film.height);
+  const float factor = plate.of_screen ? std::exp2(-picture.tone.exposure_stops) : 1;
+  picture.composite = PutOver(picture.image, picture.alpha, plate, window, factor);
+  for (NamedChannel& channel : ChannelsOf("composite", picture.composite)) {
+    picture.layers.push_back(std::move(channel));
+  }
 }
 
 // Makes the picture one to put over another one, by its layers.
@@ -133,7 +153,8 @@ PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, 
                               .samples = job.options().samples_per_pixel,
                               .seed = job.options().seed,
                               .repeatable = repeatable,
-                              .options = RecordedOptions(request)};
+                              .options = RecordedOptions(request),
+                              .backplate = request.backplate};
   for (RecordedOption& option : identity.options) {
     if (IsOfPart(option)) option.words.clear();
   }
@@ -277,13 +298,24 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   std::erase_if(picture.layers, [&](const NamedChannel& channel) {
     return !IsOfLayers(channel.name, layers) && !IsOfDenoiser(channel.name);
   });
+  if (!identity.backplate.empty() && !picture.alpha.empty()) {
+    PutOverBackplate(identity, part.window, picture);
+  }
   return picture;
 }
 
-void Expose(const ExposureRequest& exposure, Picture& picture) {
-  picture.tone = Tone(exposure, picture.image, picture.layers);
+Metadata OfDerived(Metadata metadata, std::string_view command) {
+  std::erase_if(metadata, [](const auto& text) { return IsOfMatte(text.first); });
+  for (auto& [name, text] : metadata) {
+    if (name == "command") name = command;
+  }
+  return metadata;
+}
+
+void Expose(const ExposureRequest& resolved, Picture& picture) {
+  picture.tone = Tone(resolved, picture.image, picture.layers);
   std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
-  if (!IsAutomatic(exposure)) return;
+  if (!IsAutomatic(resolved)) return;
   const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
   picture.metadata.emplace_back(kPngExposure, stops);
   picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));
@@ -353,8 +385,9 @@ std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
   tbb::task_arena arena(ThreadsFor(picture.format.threads));
   return arena.execute([&] {
-    if (picture.alpha.empty()) {
-      return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+    if (picture.alpha.empty() || !picture.composite.rgb.empty()) {
+      return EncodePng(image.width, image.height,
+                       ToneMap(picture.alpha.empty() ? image : picture.composite, picture.tone));
     }
     return EncodePng(image.width, image.height, ToneMap(Straight(picture), picture.tone),
                      ToBytes(picture.alpha));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "image/image.h"
@@ -32,6 +33,7 @@ struct PictureIdentity {
   std::uint32_t seed = 0;
   bool repeatable = true;               // a command makes the same picture
   std::vector<RecordedOption> options;  // in the order of the tables, without those of the part
+  std::string backplate = "";           // the file that is behind the picture; empty: none
 };
 
 // Returns the identity of the picture of a job. If not repeatable, no file has its scene. Of the
@@ -73,6 +75,7 @@ struct Picture {
   Image image;
   // Share of what is behind each pixel that it hides; colours are multiplied by it. Empty: all.
   std::vector<float> alpha;
+  Image composite;  // what the PNG shows: the picture over its backplate; empty: the picture
   std::vector<NamedChannel> layers;
   std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;
@@ -111,6 +114,10 @@ class PictureRows {
 // Returns what ResolvePicture returns, of rows that have been resolved.
 Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentity& identity,
                       const PicturePart& part, int threads = 0);
+
+// Returns the metadata of a picture for another one that is made of it: its command, which does not
+// repeat that, is called `command` there, and what is said of its other layers is left out.
+Metadata OfDerived(Metadata metadata, std::string_view command);
 
 // Sets the exposure of the PNG. An automatic exposure is recorded in notes and metadata, where
 // IsExposedAutomatically finds it.

@@ -14,6 +14,7 @@
 #include "scene/read_options.h"
 #include "scene/scene.h"
 #include "wavefront/film/film_area.h"
+#include "wavefront/film/sky_patches.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -36,8 +37,9 @@ struct EnvironmentRequest {
 
 // Changes of the camera. Unset values are those of the scene's camera or of the automatic one.
 struct CameraRequest {
-  std::string name;              // one of the scene's cameras; empty: its first one
-  std::optional<Camera> placed;  // in place of the scene's first one
+  std::string from;              // a file of cameras, see job/camera_file.h; empty: the scene's
+  std::string name;              // one of its cameras; empty: the first one
+  std::optional<Camera> placed;  // in place of the scene's first one; of the file, if there is one
   std::optional<CameraKind> kind;
   std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
   std::optional<float> fov_degrees;
@@ -69,8 +71,10 @@ struct JobRequest {
   std::vector<std::string> materials;  // changes, see job/material_changes.h
   std::vector<std::string> catchers;   // names of materials and meshes, see job/marks.h
   std::vector<std::string> holdouts;   // likewise
-  // Unset: transparent where there are catchers, else the map.
+  // Unset: transparent where there are catchers, holdouts or a backplate, else the map.
   std::optional<Background> background;
+  std::string backplate;                         // a file, see job/backplate.h; empty: none
+  SkyDivision sky_patches = SkyDivision::kNone;  // into which the groups of lights part the map
   // If false, rough conductors and glass lose the light that their facets would scatter more than
   // once.
   bool energy_compensation = true;

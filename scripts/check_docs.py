@@ -245,6 +245,9 @@ def make_stand_ins(program, folder):
         shutil.copy(folder / "sky.exr", data / f"probes/latlong/{name}_latlong.exr")
     for name, seed in (("a.exr", "1"), ("reference.exr", "2")):
         run("render", "furnace", "--size", "16x12", "--spp", "1", "--seed", seed, "-q", "-o", name)
+    shutil.copy(folder / "a.png", folder / "photo.png")
+    shutil.copy(folder / "map.pfm", folder / "white.pfm")
+    (folder / "year.csv").write_text("sky-000,sky-145\n0.2,1\n0.1,3\n")
 
 
 # ---- Commands ----

@@ -65,6 +65,7 @@ struct OptionInfo {
   bool scene_may_set = false;  // a scene file may give it; the option comes first
   bool of_reading = false;     // it says how a scene is read; `skywave info` takes it as well
   bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
+  bool of_file = false;        // its value is the name of a file to read
   int most_values = 1;         // more than 1: a list, separated by spaces
   std::string_view word = {};  // a value that may follow a switch, as in "--ground catcher"
   char delimiter = 0;          // of a list in one word, 0: none

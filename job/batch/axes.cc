@@ -12,13 +12,12 @@
 #include "base/error.h"
 #include "job/batch/number_list.h"
 #include "job/map_sequence.h"
+#include "job/options.h"
 #include "scene/builtin/builtin.h"
 #include "scene/reader.h"
 
 namespace skywave {
 namespace {
-
-bool NamesFile(std::string_view option) { return option == "env" || option == "scene"; }
 
 bool IsBuiltinScene(const std::string& name) {
   const auto scenes = BuiltinScenes();
@@ -59,6 +58,13 @@ std::vector<std::string> GlobFiles(const std::string& pattern) {
 }
 
 }  // namespace
+
+bool NamesFile(std::string_view option) {
+  const auto options = JobOptions();
+  return std::any_of(options.begin(), options.end(), [&](const JobOption& candidate) {
+    return candidate.name == option && candidate.of_file;
+  });
+}
 
 std::string LabelOf(const std::string& option, const std::string& text) {
   if (!NamesFile(option)) return text;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "job/batch/job_file.h"
@@ -64,6 +65,9 @@ class AxisReader {
   std::string path_, folder_;
   std::vector<BoundOption> options_;
 };
+
+// Returns whether the value of an option is the name of a file to read.
+bool NamesFile(std::string_view option);
 
 // Returns what stands for the value `text` of an option in names of outputs: the stem of a file, or
 // the text itself.

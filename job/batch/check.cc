@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "image/image.h"
+#include "job/batch/axes.h"
 #include "job/batch/render_picture.h"
 #include "job/choose_camera.h"
 #include "job/job_parts.h"
@@ -105,7 +106,7 @@ std::set<std::string> InputFiles(const BatchPlan& plan) {
   std::set<std::string> files;
   for (const BatchPicture& picture : plan.pictures) {
     for (const PictureOption& option : picture.options) {
-      if (option.name != "scene" && option.name != "env") continue;
+      if (!NamesFile(option.name)) continue;
       const bool moves = option.name == "env" && IsMapSequence(option.text);
       const std::string file =
           moves ? MapFile(RequestOf(plan.path, picture.options).job) : option.text;

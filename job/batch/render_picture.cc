@@ -146,7 +146,8 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.samples = rendered.frame.stats.samples;
   result.noise = rendered.noise;
   result.notes.insert(result.notes.end(), rendered.notes.begin(), rendered.notes.end());
-  auto write = [room = TakeRoom(rendered.film.packed_bytes()), result = std::move(result),
+  const std::size_t film_bytes = rendered.film.packed_bytes();
+  auto write = [room = TakeRoom(film_bytes), result = std::move(result),
                 rendered = std::move(rendered), identity = ready.identity, aovs = options.aovs,
                 format = ready.request.format, threads = options.threads,
                 limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "image/formats.h"
 #include "image/image.h"
+#include "tests/support/camera_text.h"
 #include "tests/support/gltf_document.h"
 #include "tests/support/program.h"
 
@@ -152,6 +153,27 @@ TEST_F(Batch, NoPictureReplacesAnInputOfAnEarlierOne) {
   EXPECT_EQ(Bytes("map_2.exr"), before);
   EXPECT_FALSE(std::filesystem::exists(Path("map_2.png")));
   EXPECT_TRUE(std::filesystem::exists(Path("map_3.exr")));
+}
+
+// A photograph and its camera are named relative to the job file, as maps are, and are inputs.
+TEST_F(Batch, FilesOfOptionsAreBesideTheJob) {
+  std::filesystem::create_directory(Path("job"));
+  WritePng(Path("job/photo.png"), 8, 6, std::vector<std::uint8_t>(8 * 6 * 3, 90));
+  Put("job/camera.json", test::kCameraFile);
+  const std::string job =
+      "[base]\nscene = \"spheres\"\nspp = 1\nbackplate = \"photo.png\"\n"
+      "camera-from = \"camera.json\"\n[axes]\nseed = \"1-1\"\n[output]\npath = ";
+  Put("job/job.toml", job + "\"{seed}.exr\"\n");
+  const Result result = Run("batch job/job.toml -q");
+  ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_EQ(ReadImage(Path("job/1.exr")).width, 32) << "the size of the camera's photograph";
+  Put("job/job.toml", job + "\"photo{seed}.exr\"\n");
+  std::filesystem::rename(Path("job/photo.png"), Path("job/photo1.png"));
+  std::string text = Bytes("job/job.toml");
+  Put("job/job.toml", text.replace(text.find("photo.png"), 9, "photo1.png"));
+  const Result over = Run("batch job/job.toml");
+  EXPECT_NE(over.exit_code, 0);
+  EXPECT_TRUE(Contains(over.out + over.err, "is an input")) << over.out << over.err;
 }
 
 TEST_F(Batch, WritesBelowTheRequestedFolder) {

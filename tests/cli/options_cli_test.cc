@@ -9,6 +9,7 @@
 
 #include "image/exr_header.h"
 #include "image/image.h"
+#include "tests/support/camera_text.h"
 #include "tests/support/gltf_document.h"
 #include "tests/support/program.h"
 
@@ -28,6 +29,7 @@ class OptionsCli : public Program {
         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     Put("moving.gltf", MovingTriangle().text());
+    Put("camera.json", test::kCameraFile);
     Image map(8, 4);
     for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = float(1 + i % 5);
     WriteExr(Path("map.exr"), map);

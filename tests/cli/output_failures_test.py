@@ -36,6 +36,7 @@ COMMANDS = {
     "merge": ("merge in/noisy.film -q -o {out}/a.exr", ["a.exr", "a.png"]),
     "merge to a film": ("merge in/noisy.film -q -o {out}/a.film", ["a.film"]),
     "denoise": ("denoise in/noisy.exr -q -o {out}/a.exr", ["a.exr", "a.png"]),
+    "relight": ("relight in/noisy.exr -q -o {out}/a.exr", ["a.exr", "a.png"]),
     "paths": (f"paths spheres {SMALL} --max-depth 1 -q -o {{out}}/a.exr", ["a.exr", "a.png"]),
     "info": ("info spheres --json {out}/a.json", ["a.json"]),
     "compare": ("compare in/noisy.exr in/noisy.exr --json {out}/a.json --map {out}/a.png",
@@ -75,7 +76,7 @@ PRINTING = [
     "compare in/noisy.exr in/noisy.exr", f"bench spheres {SMALL} --repetitions 1",
     f"bench spheres {SMALL} --counters", "batch in/job.toml --list",
     f"render spheres {SMALL} -o in/b.exr", f"render spheres {SMALL} -o in/b.exr --progress openjd",
-    "merge in/noisy.film -o in/b.exr", "denoise in/noisy.exr -o in/b.exr",
+    "merge in/noisy.film -o in/b.exr", "denoise in/noisy.exr -o in/b.exr", "relight in/noisy.exr -o in/b.exr",
     "probe convert in/sky.pfm in/b.exr --to angular"]
 # Commands that print only to standard error, with their exit codes.
 TELLING = {
@@ -141,7 +142,7 @@ def setUpModule():
                                      + rows[4:])
     (folder / "job.toml").write_text('[base]\nscene = "spheres"\nsize = "24x16"\nspp = 1\n[axes]\n'
                                      'seed = "1-2"\n[output]\npath = "{seed}.exr"\n')
-    code, errors = run("render spheres --size 24x16 --spp 8 --aovs denoiser -q -o in/noisy.exr "
+    code, errors = run("render spheres --size 24x16 --spp 8 --aovs denoiser,lights -q -o in/noisy.exr "
                        "--film in/noisy.film")
     assert code == 0, errors
     code, errors = run(COMMANDS["bench --update-baseline"][0].format(out="in"))

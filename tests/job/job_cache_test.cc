@@ -18,6 +18,7 @@
 #include "job/options.h"
 #include "job/picture.h"
 #include "scene/reader.h"
+#include "tests/support/camera_text.h"
 #include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/render.h"
@@ -279,6 +280,7 @@ Options OptionsOfExample(const std::string& example, const TemporaryFolder& fold
 TEST_F(SharedParts, FollowTheChangeOfAnyOptionOfTheTable) {
   folder_.Write("moving.gltf", MovingTriangle().text());
   folder_.Write("scene.pbrt", std::string(kCamera) + kOneLight + kShapes);
+  folder_.Write("camera.json", test::kCameraFile);
   WriteExr(folder_.Path("map.exr"), ReadImage(folder_.Path("sky.pfm")));
   const Option lights = {"scene", folder_.Path("lights.pbrt")};
   const Option map = {"env", folder_.Path("sun.pfm")};

@@ -1,5 +1,7 @@
 #include "wavefront/film/light_groups.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <iterator>
@@ -28,14 +30,18 @@ std::string NameOf(const LocalLight& light, const Scene& scene, const Geometry& 
 }  // namespace
 
 LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
-                            const LocalLightView& lights) {
-  LightGroups groups = {.names = {"environment"}, .of_light = {}};
+                            const LocalLightView& lights, const SkyPatches& sky) {
+  LightGroups groups = {.names = {"environment"}, .of_light = {}, .sky = sky};
+  const std::uint32_t patches = CountPatches(sky.division);
+  if (patches > 0) groups.names.clear();
+  for (std::uint32_t i = 0; i < patches; ++i) groups.names.push_back(fmt::format("sky-{:03}", i));
+  const std::size_t first = groups.names.size() - 1;
   for (std::uint32_t i = 0; i < lights.count; ++i) {
     const std::string name = NameOf(lights.lights[i], scene, geometry);
     auto found = std::find(groups.names.begin(), groups.names.end(), name);
     if (found == groups.names.end()) {
-      if (groups.names.size() < kMaxLightGroups) {
-        groups.names.push_back(groups.names.size() + 1 < kMaxLightGroups ? name : "others");
+      if (groups.names.size() < first + kMaxLightGroups) {
+        groups.names.push_back(groups.names.size() + 1 < first + kMaxLightGroups ? name : "others");
       }
       found = std::prev(groups.names.end());
     }

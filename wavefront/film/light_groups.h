@@ -14,24 +14,31 @@
 #include "kernels/lights/local_lights.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
+#include "wavefront/film/sky_patches.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
 
-// A film keeps three sums per group and pixel; further groups go into the last one.
+// A film keeps three sums per group and pixel; further groups go into the last one. The patches of
+// a sky are not counted.
 inline constexpr std::size_t kMaxLightGroups = 32;
 
 struct LightGroups {
-  std::vector<std::string> names;       // environment first
+  std::vector<std::string> names;       // the environment first, or its patches
   std::vector<std::uint32_t> of_light;  // by local light
+  SkyPatches sky = {};
+
+  // Returns the group of light that comes from infinitely far away in a direction.
+  std::uint32_t OfDirection(float x, float y, float z) const { return PatchOf(sky, x, y, z); }
 };
-inline constexpr std::uint32_t kEnvironmentGroup = 0;
+inline constexpr std::uint32_t kEnvironmentGroup = 0;  // or the first patch
 
 // Lights of one name are a group: emitting surfaces have the name of their material ("lamps"
 // without one), other lights their own, or else that of their kind. Characters of names other than
-// letters, digits and '-' become '_'.
+// letters, digits and '-' become '_'. The environment is one group, or has one for each patch of
+// `sky`, "sky-000" and so on.
 LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
-                            const LocalLightView& lights);
+                            const LocalLightView& lights, const SkyPatches& sky = {});
 
 // One row is one path of the wave, written by the functions of the integrator that give light to
 // groups.

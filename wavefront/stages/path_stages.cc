@@ -98,11 +98,22 @@ void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t 
   }
 }
 
+// Writes the groups of the light that comes from infinitely far away in directions [0, n).
+void GroupsOfDirections(const FrameView& frame, const float* x, const float* y, const float* z,
+                        std::uint32_t n, std::uint32_t* group) {
+  std::fill_n(group, n, kEnvironmentGroup);
+  if (frame.light_groups->sky.division == SkyDivision::kNone) return;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    group[i] = frame.light_groups->OfDirection(x[i], y[i], z[i]);
+  }
+}
+
 // Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u` are the
 // uniforms that have picked it.
 void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                          const float* u, std::uint32_t n, std::uint32_t* group) {
-  std::fill_n(group, n, kEnvironmentGroup);
+                          const float* u, const LightColumns& lights, std::uint32_t n,
+                          std::uint32_t* group) {
+  GroupsOfDirections(frame, lights.dir_x, lights.dir_y, lights.dir_z, n, group);
   ForEachLocalLight(frame, shares, index, u, n, [&](std::uint32_t i, std::size_t light) {
     group[i] = frame.light_groups->of_light[light];
   });
@@ -142,8 +153,9 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
   // This comes before the surfaces that the rays left are overwritten, because strategies may need
   // them.
   AddEscaped(from.frame, from.points, from.met, w.escaped, escaped, from.paths);
-  KeepGroups(frame, rays.path, n, w,
-             [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
+  KeepGroups(frame, rays.path, n, w, [&](std::uint32_t* group) {
+    GroupsOfDirections(frame, rays.dir_x, rays.dir_y, rays.dir_z, n, group);
+  });
   AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
@@ -285,7 +297,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     }
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
-      GroupsOfLightSamples(frame, shares, index, uniforms->u, n, group);
+      GroupsOfLightSamples(frame, shares, index, uniforms->u, w.lights, n, group);
     });
     clock.Lap(Stage::kAccumulate);
   }

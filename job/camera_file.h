@@ -1,0 +1,31 @@
+// Cameras that took photographs, as programs of computer vision write them: transforms.json of NeRF
+// data, the text files of COLMAP, and the matrices of OpenCV.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "job/request.h"
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+// A camera of a file and the size of its photographs [pixels].
+struct CameraOfFile {
+  std::string name;  // of its photograph; empty: the file has one camera without a name
+  Camera camera;
+  int width = 0, height = 0;
+};
+
+// Returns the camera called `name`, or the first one if that is empty. A file that does not say how
+// large its photographs are is of some with `width` x `height` pixels. Warns of what is left out,
+// as the distortion of a lens. Throws InputError with the place in the file.
+CameraOfFile ReadCameraOfFile(const std::string& path, const std::string& name, int width,
+                              int height, Warnings& warnings);
+
+// Puts the camera that the option `camera-from` names into the request, and the size of its
+// photographs where the request has none. Appends warnings.
+void TakeCameraOfFile(JobRequest& request, std::vector<std::string>& warnings);
+
+}  // namespace skywave
