@@ -54,12 +54,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
       .metadata = OfDerived(ReadExrMetadata(flags.input, flags.limits), "noisyCommand"),
       .placement = noisy.placement};
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
-  ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());
-  if (!exposure.exposure && exposure.photo.shutter_seconds <= 0 &&
-      IsExposedAutomatically(picture.metadata)) {
-    exposure.exposure = ExposureChoice{.automatic = true};
-  }
-  Expose(exposure, picture);
+  Expose(ExposureOfDerived(flags.exposure, picture.metadata), picture);
   picture.layers = std::move(clean.error);
   WriteExrAndPng(flags.output, picture);
   if (!flags.quiet) {

@@ -32,10 +32,10 @@ int MergeMain(const MergeFlags& flags) {
   CheckOutputs(std::array{flags.output, to_film ? std::string() : PngBeside(flags.output)},
                flags.request.films);
   const MergedFilm merged = MergeFilms(flags.request);
-  CheckFormat(flags.format, merged.file.layers);
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);
   } else {
+    CheckFormat(flags.format, merged.file.layers);
     Picture picture = ResolveMerged(merged);
     picture.format = flags.format;
     for (const std::string& note : picture.notes) {

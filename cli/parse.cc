@@ -28,7 +28,8 @@ std::string FlagsOf(const OptionInfo& info) {
   return info.letter == 0 ? name : fmt::format("-{},{}", info.letter, name);
 }
 
-// Returns the hidden flag that a switch and its word are made, since switches have no values.
+// Returns the hidden flag that a switch and its word are turned into, since switches have no
+// values.
 std::string FlagOfWord(const OptionInfo& info) {
   return fmt::format("--{}-{}", info.name, info.word);
 }

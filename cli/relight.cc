@@ -40,13 +40,8 @@ Picture RelitPicture(const LitPicture& lit, const std::vector<LightWeight>& weig
   }
   picture.metadata = OfDerived(std::move(picture.metadata), "lightsCommand");
   picture.metadata.emplace_back("lightWeights", words);
-  ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());
-  if (!exposure.exposure && exposure.photo.shutter_seconds <= 0 &&
-      IsExposedAutomatically(picture.metadata)) {
-    exposure.exposure = ExposureChoice{.automatic = true};
-  }
   picture.notes.clear();
-  Expose(exposure, picture);
+  Expose(ExposureOfDerived(flags.exposure, picture.metadata), picture);
   picture.format = flags.format;
   picture.format.threads = flags.threads;
   return picture;

@@ -20,11 +20,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kLongestSide = 65536;  // [pixels]
+
 // The pinhole of a camera [pixels]: focal lengths, and the point on its axis from the top left
 // corner of the picture.
 struct Pinhole {
   double focal_x = 0, focal_y = 0, center_x = 0, center_y = 0;
-  int width = 0, height = 0;
+  double width = 0, height = 0;  // as the file has them, which may be no whole numbers
 };
 
 // Where a camera stands and looks, in the world.
@@ -54,6 +56,13 @@ Camera CameraOf(const Entry& entry) {
   if (!(p.focal_x > 0) || !(p.focal_y > 0) || !std::isfinite(p.focal_x + p.focal_y) ||
       !std::isfinite(p.center_x + p.center_y)) {
     refuse("has no focal length above 0, or no principal point");
+  }
+  const auto is_side = [](double side) {
+    return side >= 1 && side <= kLongestSide && side == std::floor(side);
+  };
+  if (!is_side(p.width) || !is_side(p.height)) {
+    refuse(fmt::format("has a picture of {} by {}, which has to be whole numbers in [1, {}]", p.width,
+                       p.height, kLongestSide));
   }
   const Pose& pose = entry.pose;
   const double volume = glm::dot(glm::cross(pose.right, pose.up), pose.forward);
@@ -102,9 +111,18 @@ std::array<std::array<double, Columns>, Rows> Matrix(const Json& json, const cha
   return matrix;
 }
 
-// Returns "k1 = 0.1, p2 = 0.01" of the coefficients that are not 0.
+// Returns "k1 = 0.1, p2 = 0.01" of the coefficients that are not 0, and the name of a model that
+// is no pinhole with all of them 0.
 std::string DistortionOf(const Json& json) {
+  const std::string model = json.value("camera_model", "");
+  const auto flag = json.find("is_fisheye");
+  const bool is_flagged = flag != json.end() && (flag->is_boolean() ? flag->get<bool>() : *flag != 0);
   std::string text;
+  if (model.find("FISHEYE") != std::string::npos || model == "EQUIRECTANGULAR") {
+    text = model;
+  } else if (is_flagged) {
+    text = "is_fisheye";
+  }
   for (const char* const name : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     const double value = Number(json, name, 0);
     if (value != 0) text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, value);
@@ -119,8 +137,7 @@ Entry EntryOfFrame(const std::string& path, const Json& file, const Json& frame,
   Json all = file;
   all.erase("frames");
   all.update(frame);
-  Pinhole pinhole = {.width = int(Number(all, "w", width)),
-                     .height = int(Number(all, "h", height))};
+  Pinhole pinhole = {.width = Number(all, "w", width), .height = Number(all, "h", height)};
   const double w = pinhole.width, h = pinhole.height;
   if (all.contains("fl_x")) {
     pinhole.focal_x = Number(all, "fl_x", 0);
@@ -164,8 +181,8 @@ Entry EntryOfMatrices(const std::string& path, const Json& json, int width, int 
                       .focal_y = k[1][1],
                       .center_x = k[0][2] + kCenterOfPixel,
                       .center_y = k[1][2] + kCenterOfPixel,
-                      .width = int(Number(json, "width", width)),
-                      .height = int(Number(json, "height", height))},
+                      .width = Number(json, "width", width),
+                      .height = Number(json, "height", height)},
           .pose = PoseOfCv(rows, translation),
           .distortion = distortion};
 }
@@ -240,11 +257,12 @@ std::map<int, LensOfColmap> LensesOfColmap(const std::string& path) {
     p.focal_y = p.focal_x;
     if (known->second == 2) words >> p.focal_y;
     words >> p.center_x >> p.center_y;
-    if (!words || p.width < 1 || p.height < 1) {
+    if (!words) {
       throw InputError(position, fmt::format("a {} needs a size and more parameters", model));
     }
+    if (model.find("FISHEYE") != std::string::npos) lens.distortion = model;
     for (double value = 0; words >> value;) {
-      if (value != 0) lens.distortion = fmt::format("{}", model);
+      if (value != 0) lens.distortion = model;
     }
     lenses[id] = std::move(lens);
   });
@@ -322,7 +340,8 @@ CameraOfFile ReadCameraOfFile(const std::string& path, const std::string& name, 
                            "photograph without it",
                            chosen->distortion));
   }
-  return {chosen->name, CameraOf(*chosen), chosen->pinhole.width, chosen->pinhole.height};
+  Camera camera = CameraOf(*chosen);
+  return {chosen->name, camera, int(chosen->pinhole.width), int(chosen->pinhole.height)};
 }
 
 void TakeCameraOfFile(JobRequest& request, std::vector<std::string>& warnings) {

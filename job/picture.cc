@@ -321,9 +321,14 @@ void Expose(const ExposureRequest& resolved, Picture& picture) {
   picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));
 }
 
-bool IsExposedAutomatically(const Metadata& metadata) {
-  return std::any_of(metadata.begin(), metadata.end(),
-                     [](const auto& text) { return text.first == kPngExposure; });
+ExposureRequest ExposureOfDerived(const ExposureRequest& request, const Metadata& metadata) {
+  ExposureRequest exposure = ResolveExposure(request, JobRequest());
+  const bool was_automatic = std::any_of(
+      metadata.begin(), metadata.end(), [](const auto& text) { return text.first == kPngExposure; });
+  if (was_automatic && !exposure.exposure && exposure.photo.shutter_seconds <= 0) {
+    exposure.exposure = ExposureChoice{.automatic = true};
+  }
+  return exposure;
 }
 
 void CheckFormat(const ExrFormat& format, AovSet layers) {

@@ -120,9 +120,12 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
 Metadata OfDerived(Metadata metadata, std::string_view command);
 
 // Sets the exposure of the PNG. An automatic exposure is recorded in notes and metadata, where
-// IsExposedAutomatically finds it.
+// ExposureOfDerived finds it.
 void Expose(const ExposureRequest& resolved, Picture& picture);
-bool IsExposedAutomatically(const Metadata& metadata);
+
+// Returns the exposure of a picture that is made of one with this metadata: automatic where that of
+// the other one was and the request says nothing else. Throws OptionError as ResolveExposure does.
+ExposureRequest ExposureOfDerived(const ExposureRequest& request, const Metadata& metadata);
 
 // Throws OptionError where the layers would not survive the compression of a format.
 void CheckFormat(const ExrFormat& format, AovSet layers);

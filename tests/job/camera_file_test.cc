@@ -200,17 +200,30 @@ TEST_F(CameraFile, DistortionIsWarnedOfAndRefusedWhereWarningsAre) {
     std::string text = Matrices();
     return text.replace(text.find(", 0, "), 5, ", 0.5, ");
   }());
-  for (const auto& [file, word] : {std::pair("k1.json", "k1 = 0.125"), {"skew.json", "skew"}}) {
+  folder_.Write("fisheye.json", Transforms(R"(, "camera_model": "OPENCV_FISHEYE")"));
+  folder_.Write("flag.json", Transforms(R"(, "is_fisheye": true)"));
+  for (const auto& [file, word] : {std::pair("k1.json", "k1 = 0.125"),
+                                   {"skew.json", "skew"},
+                                   {"fisheye.json", "OPENCV_FISHEYE"},
+                                   {"flag.json", "is_fisheye"}}) {
     warnings_ = MakeWarnings({});
     Read(file);
     ASSERT_EQ(WarningLines(warnings_).size(), 1u) << file;
     EXPECT_NE(WarningLines(warnings_)[0].find(word), std::string::npos);
     EXPECT_NE(WarningLines(warnings_)[0].find(file), std::string::npos);
   }
-  folder_.Write("cameras.txt", ColmapCameras("OPENCV", "0 0 0.01 0"));
+  // A fisheye lens is no pinhole, whatever its coefficients are.
+  for (const char* const model : {"OPENCV", "OPENCV_FISHEYE"}) {
+    const bool is_fisheye = std::string(model) != "OPENCV";
+    folder_.Write("cameras.txt", ColmapCameras(model, is_fisheye ? "0 0 0 0" : "0 0 0.01 0"));
+    warnings_ = MakeWarnings({});
+    Read("images.txt");
+    EXPECT_EQ(WarningLines(warnings_).size(), 1u) << model;
+  }
+  folder_.Write("plain.json", Transforms(R"(, "camera_model": "OPENCV", "is_fisheye": false)"));
   warnings_ = MakeWarnings({});
-  Read("images.txt");
-  EXPECT_EQ(WarningLines(warnings_).size(), 1u);
+  Read("plain.json");
+  EXPECT_TRUE(WarningLines(warnings_).empty());
   ReadOptions strict;
   strict.strict = true;
   warnings_ = MakeWarnings(strict);
@@ -228,6 +241,10 @@ TEST_F(CameraFile, BadFilesAreRefusedWithTheirPlace) {
     folder_.Write(file, text.replace(at, old.size(), now));
   };
   ExpectRefused("missing.json", {"missing.json"});
+  for (const char* const side : {"0", "1e12", "320.5"}) {
+    with("side.json", Transforms(), "\"w\": 320", std::string("\"w\": ") + side);
+    ExpectRefused("side.json", {"side.json", "whole numbers in [1, 65536]"});
+  }
   folder_.Write("bad.json", "{\"K\": [");
   ExpectRefused("bad.json", {"bad.json (byte ", "JSON"});
   folder_.Write("bad.json", "{\"camera\": 1}");
