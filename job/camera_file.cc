@@ -61,8 +61,8 @@ Camera CameraOf(const Entry& entry) {
     return side >= 1 && side <= kLongestSide && side == std::floor(side);
   };
   if (!is_side(p.width) || !is_side(p.height)) {
-    refuse(fmt::format("has a picture of {} by {}, which has to be whole numbers in [1, {}]", p.width,
-                       p.height, kLongestSide));
+    refuse(fmt::format("has a picture of {} by {}, which has to be whole numbers in [1, {}]",
+                       p.width, p.height, kLongestSide));
   }
   const Pose& pose = entry.pose;
   const double volume = glm::dot(glm::cross(pose.right, pose.up), pose.forward);
@@ -116,7 +116,8 @@ std::array<std::array<double, Columns>, Rows> Matrix(const Json& json, const cha
 std::string DistortionOf(const Json& json) {
   const std::string model = json.value("camera_model", "");
   const auto flag = json.find("is_fisheye");
-  const bool is_flagged = flag != json.end() && (flag->is_boolean() ? flag->get<bool>() : *flag != 0);
+  const bool is_flagged =
+      flag != json.end() && (flag->is_boolean() ? flag->get<bool>() : *flag != 0);
   std::string text;
   if (model.find("FISHEYE") != std::string::npos || model == "EQUIRECTANGULAR") {
     text = model;

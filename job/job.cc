@@ -193,7 +193,10 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   scene_hash_ = prepared.content.WithView(
       scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
   map_hash_ = light->hash;
-  times_.tables = Time([&] { BuildStrategies(parts, *light); });
+  times_.tables = Time([&] {
+    BuildStrategies(parts, *light);
+    PlaceProjection(parts, *light);
+  });
   // Light of a map comes into a closed room through edges alone. Openings that are given let it in,
   // and so does what light passes through.
   if (has_environment() && map_->map.portals.empty() && !LetsLightThrough(geometry()) &&
@@ -215,7 +218,7 @@ void RenderJob::PlanComposites(const Scene& scene) {
     throw OptionError("aovs", ToString(options.aovs),
                       "the scene has no catchers: name some, as in `catcher ground`");
   }
-  if (HasHoldouts(scene) || !request_.backplate.empty()) {
+  if (HasHoldouts(scene) || !request_.backplate.empty() || request_.dome) {
     request_.background = request_.background.value_or(Background::kTransparent);
   }
   if (!request_.backplate.empty()) {
@@ -226,6 +229,8 @@ void RenderJob::PlanComposites(const Scene& scene) {
     const Backplate plate = ReadBackplate(request_.backplate, *request_.width, *request_.height);
     if (!plate.note.empty()) notes_.push_back(plate.note);
   }
+  layers |= PlanProjection(request_, HasCatchers(scene));
+  PlanLinks(request_, HasCatchers(scene));
   if (request_.background == Background::kTransparent) layers |= AovsOf(AovSum::kAlpha);
   if (request_.sky_patches != SkyDivision::kNone) {
     if (options.of<ControlOptions>().control != ControlVariate::kNone) {
@@ -234,9 +239,8 @@ void RenderJob::PlanComposites(const Scene& scene) {
     }
     layers |= AovsOf(AovSum::kLightGroups);
   }
-  if (layers == 0) return;
   options.aovs |= layers;
-  CheckResolved(request_);
+  if (layers != 0 || options.of<LinkOptions>().count > 0) CheckResolved(request_);
 }
 
 void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
@@ -271,6 +275,8 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
     mattes_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
   }
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
+  links_ =
+      MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());
   if (options().aovs != 0 || request_.denoise)
     world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
@@ -278,8 +284,10 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
 void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
   map_ = parts.Place(request_, light);
   const auto make = [&](const std::string& specification, std::uint32_t light_samples) {
-    auto tables =
-        parts.Tables(request_, specification, UseOf(options(), light_samples), light, map_);
+    StrategyUse use = UseOf(options(), light_samples);
+    // Nothing else sees the light of a map whose shadows have links.
+    use.mis = use.mis && (links_.view.of_environment & links_.view.of_shadows) == 0;
+    auto tables = parts.Tables(request_, specification, use, light, map_);
     CheckStrategy(*tables->strategy, specification, has_environment(), options());
     const std::string note = tables->strategy->note();
     if (!note.empty()) notes_.push_back(fmt::format("{}: {}", specification, note));
@@ -300,6 +308,17 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
   }
+}
+
+void RenderJob::PlaceProjection(const JobParts& parts, const LoadedLight& light) {
+  const auto of_objects = std::count(object_lamps_.begin(), object_lamps_.end(), 1);
+  place_ = ProjectPlace({.request = request_,
+                         .parts = parts,
+                         .light = light,
+                         .map = has_environment() ? map_ : nullptr,
+                         .camera = scene_camera_,
+                         .has_lamps = local_lights().view().count > std::size_t(of_objects)},
+                        notes_);
 }
 
 // Whether light paths start at the map and the strategy of the camera paths cannot emit them.
@@ -373,6 +392,9 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
       .catchers = geometry().catchers(),
       .object_lamps = object_lamps_.empty() ? nullptr : object_lamps_.data()};
   if (irradiance_) frame.Show(&control_);
+  if (!links_.unlit.empty()) frame.Show(&links_.view);
+  if (place_ && Sums(options().aovs, AovSum::kBackdrop)) frame.Show(&place_->dome);
+  if (place_ && place_->projects()) frame.Show(&place_->projection);
   return frame;
 }
 

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "job/job_parts.h"
+#include "job/links.h"
+#include "job/projection.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
@@ -78,6 +80,7 @@ class RenderJob {
   void PlaceCamera(const Scene& scene, const Bounds& bounds);
   void PlaceLights(const JobParts& parts, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const LoadedLight& light);
+  void PlaceProjection(const JobParts& parts, const LoadedLight& light);
   bool has_environment() const;
   bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;
   FrameView frame(Integrator integrator, const EnvStrategy& strategy,
@@ -91,9 +94,11 @@ class RenderJob {
   LightGroups light_groups_;                // where they are asked for
   std::shared_ptr<const Mattes> mattes_;    // likewise
   std::vector<std::uint8_t> object_lamps_;  // FrameView::object_lamps
+  LightLinks links_;                        // where there are some
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   ControlView control_;                              // that frames show, if there is irradiance_
+  std::shared_ptr<const ProjectedPlace> place_;      // null: nothing is projected
   std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_, filter_factors_;
   Camera scene_camera_;

@@ -10,6 +10,7 @@
 
 #include "base/granted.h"
 #include "job/environment.h"
+#include "job/links.h"
 #include "job/map_sequence.h"
 #include "job/marks.h"
 #include "job/material_changes.h"
@@ -116,8 +117,9 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
     }
     if (request.ground == Ground::kCatcher) scene->materials.back().catcher = true;
-    Mark("catcher", request.catchers, &Material::catcher, *scene);
-    Mark("holdout", request.holdouts, &Material::holdout, *scene);
+    Mark("catcher", request.catchers, FlagOf(&Material::catcher), *scene);
+    Mark("holdout", request.holdouts, FlagOf(&Material::holdout), *scene);
+    MarkLinks(request, *scene);
     prepared.copy_bytes = BytesOf(*scene);
     prepared.scene = std::move(scene);
   }

@@ -32,23 +32,35 @@ void ForEachMesh(Scene& scene, const F& f) {
 
 }  // namespace
 
-void Mark(const std::string& option, const std::vector<std::string>& names, bool Material::*mark,
-          Scene& scene) {
+MaterialMark FlagOf(bool Material::*flag) {
+  return {[flag](Material& material) { material.*flag = true; },
+          [flag](const Material& material) { return material.*flag; }};
+}
+
+MaterialMark BitOf(std::uint32_t Material::*bits, std::uint32_t bit) {
+  return {[bits, bit](Material& material) { material.*bits |= bit; },
+          [bits, bit](const Material& material) { return (material.*bits & bit) != 0; }};
+}
+
+void Mark(const std::string& option, const std::vector<std::string>& names,
+          const MaterialMark& mark, Scene& scene) {
   std::map<std::uint32_t, std::uint32_t> copies;  // by the material that they are of
   for (const std::string& name : names) {
     bool found = false;
     for (Material& material : scene.materials) {
-      if (material.name == name) material.*mark = found = true;
+      if (material.name != name) continue;
+      mark.set(material);
+      found = true;
     }
     ForEachMesh(scene, [&](Mesh& mesh) {
       if (mesh.name != name) return;
       found = true;
-      if (scene.materials[mesh.material].*mark) return;
+      if (mark.is_set(scene.materials[mesh.material])) return;
       const auto [copy, is_new] =
           copies.emplace(mesh.material, std::uint32_t(scene.materials.size()));
       if (is_new) {
         Material marked = scene.materials[mesh.material];
-        marked.*mark = true;
+        mark.set(marked);
         scene.materials.push_back(std::move(marked));
       }
       mesh.material = copy->second;

@@ -51,6 +51,28 @@ Codec<glm::vec3> Points() {
           .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
 }
 
+Codec<DomeRequest> Domes() {
+  return {.values = "HEIGHT above 0, or HEIGHT,RADIUS with a larger radius",
+          .metavar = "HEIGHT[,RADIUS]",
+          .parse = [](const std::string& text) -> std::optional<DomeRequest> {
+            DomeRequest dome;
+            float both[2];
+            if (ParseTuple(text, ",", 2, both)) {
+              dome = {both[0], both[1]};
+              if (!std::isfinite(dome.radius)) return std::nullopt;
+            } else if (!ParseTuple(text, "", 1, &dome.height)) {
+              return std::nullopt;
+            }
+            const bool is_dome = dome.height > 0 && dome.height < dome.radius;
+            return is_dome ? std::optional(dome) : std::nullopt;
+          },
+          .print =
+              [](const DomeRequest& dome) {
+                return std::isfinite(dome.radius) ? fmt::format("{},{}", dome.height, dome.radius)
+                                                  : fmt::format("{}", dome.height);
+              }};
+}
+
 Codec<char> Axes() {
   return {.values = "x|y|z",
           .metavar = "x|y|z",
@@ -214,6 +236,10 @@ std::vector<JobOption> CommonRows() {
     Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 
+    Plain({.name = "link", .group = kLight, .help = "surfaces on which a light shines, or with ! those on which it does not: lights have the names of their layers (--aovs lights), surfaces those of materials or meshes; several are separated by ;", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --link 'environment:!ground'", .default_text = "all", .metavar = "LIGHT:[!]NAME,NAME...", .most_values = kMostLinks, .delimiter = ';'},
+          FIELD(links), Texts("LIGHT:[!]NAME,NAME...")),
+    Plain({.name = "shadow-link", .group = kLight, .help = "surfaces that throw shadows of a light, or with ! those that throw none", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --shadow-link 'environment:ground'", .default_text = "all", .metavar = "LIGHT:[!]NAME,NAME...", .most_values = kMostLinks, .delimiter = ';'},
+          FIELD(shadow_links), Texts("LIGHT:[!]NAME,NAME...")),
     Plain({.name = "sky-patches", .group = kLight, .help = "keep the light of each patch of the sky apart, as layers lights-sky-000 (the ground) and so on: 145 of Tregenza's or 577 of Reinhart's", .scope = kPixels, .example = "--sky-patches tregenza --size 9x7"},
           FIELD(sky_patches), NamesOfEnum<SkyDivision>()),
 
@@ -247,10 +273,14 @@ std::vector<JobOption> CommonRows() {
           FIELD(catchers), Texts("the name of a material or a mesh")),
     Plain({.name = "holdout", .group = kComposites, .help = "materials or meshes that cut holes: where the camera sees them first, the picture is empty, and elsewhere they stop and reflect light as ever", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --holdout ground", .default_text = "none", .metavar = "NAME,NAME...", .most_values = 1000, .delimiter = ','},
           FIELD(holdouts), Texts("the name of a material or a mesh")),
-    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher, --holdout and --backplate"},
+    Plain({.name = "background", .group = kComposites, .help = "what is behind the scene: the map, or nothing, for an EXR and a PNG with alpha", .scope = kPixels, .example = "--background transparent", .default_text = "map; transparent with --catcher, --holdout, --backplate and --dome"},
           FIELD(background), NamesOfEnum<Background>()),
     Plain({.name = "backplate", .group = kComposites, .help = "photograph behind the scene, scaled to cover the film: the PNG and the layer composite show the picture over it", .scope = kInput, .example = "--backplate map.exr", .default_text = "none", .metavar = "FILE", .of_file = true},
           FIELD(backplate), Texts("a picture")),
+    Plain({.name = "dome", .group = kComposites, .help = "the map was taken at HEIGHT above the ground, which is the lowest level of the scene, inside a sphere of RADIUS: the PNG and the layer composite show the picture over the map on both", .scope = kPixels, .example = "--ground catcher --dome 1.6,20", .default_text = "none", .metavar = "HEIGHT[,RADIUS]"},
+          FIELD(dome), Domes()),
+    Plain({.name = "project", .group = kComposites, .help = "what colours catchers: the backplate from the camera, or the map on the ground of --dome; a matt catcher without objects then looks like that", .scope = kPixels, .example = "--ground catcher --backplate map.exr --project camera", .default_text = "dome with --dome, else none"},
+          FIELD(project), NamesOfEnum<Projected>()),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),

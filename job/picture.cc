@@ -71,9 +71,10 @@ bool IsOfLayers(std::string_view channel, AovSet layers) {
   return false;
 }
 
-// Returns the colours of a picture as layers called `name`.
+// Returns the colours of a picture, if it is there, as layers called `name`.
 std::vector<NamedChannel> ChannelsOf(std::string_view name, const Image& image) {
   std::vector<NamedChannel> channels;
+  if (image.rgb.empty()) return channels;
   for (const std::size_t c : {0, 1, 2}) {
     NamedChannel& channel =
         channels.emplace_back(NamedChannel{fmt::format("{}.{}", name, "RGB"[c]), {}});
@@ -111,16 +112,40 @@ std::vector<float> TakeLayer(std::string_view name, Picture& picture) {
   return values;
 }
 
-// Puts the picture over its backplate. One for screens has the colours of the PNG without a tone
-// curve: the exposure that multiplies all of the composite there is taken from it.
-void PutOverBackplate(const PictureIdentity& identity, const CropWindow& window, Picture& picture) {
-  const Backplate plate =
-      ReadBackplate(identity.backplate, identity.film.width, identity.film.height);
-  const float factor = plate.of_screen ? std::exp2(-picture.tone.exposure_stops) : 1;
-  picture.composite = PutOver(picture.image, picture.alpha, plate, window, factor);
-  for (NamedChannel& channel : ChannelsOf("composite", picture.composite)) {
-    picture.layers.push_back(std::move(channel));
+// Returns what is behind a picture with alpha: the photograph, or the layer of the map on the
+// ground and on a dome. Its image is empty where there is nothing.
+Backplate BehindPicture(const PictureIdentity& identity, const Picture& picture) {
+  if (picture.alpha.empty()) return {};
+  if (!identity.backplate.empty()) {
+    return ReadBackplate(identity.backplate, identity.film.width, identity.film.height);
   }
+  Backplate behind;
+  std::size_t c = 0;
+  for (const NamedChannel& layer : picture.layers) {
+    if (!layer.name.starts_with("backdrop.")) continue;
+    if (c == 0) behind.image = Image(picture.image.width, picture.image.height);
+    for (std::size_t i = 0; i < layer.values.size(); ++i) {
+      behind.image.rgb[3 * i + c] = layer.values[i];
+    }
+    ++c;
+  }
+  return behind;
+}
+
+// Exposes the picture and puts it over what is behind it. A photograph for screens has the colours
+// of the PNG without a tone curve: the exposure that multiplies all of the composite there is taken
+// from it.
+void ExposeAndCompose(const PictureIdentity& identity, const CropWindow& part, Picture& picture) {
+  const Backplate behind = BehindPicture(identity, picture);
+  const auto compose = [&](float factor) {
+    const CropWindow here = {0, 0, picture.image.width, picture.image.height};
+    const CropWindow& window = identity.backplate.empty() ? here : part;
+    picture.composite = PutOver(picture.image, picture.alpha, behind, window, factor);
+  };
+  const bool is_there = !behind.image.rgb.empty();
+  if (is_there && !behind.of_screen) compose(1);
+  Expose(ExposureOf(identity), picture);
+  if (is_there && behind.of_screen) compose(std::exp2(-picture.tone.exposure_stops));
 }
 
 // Makes the picture one to put over another one, by its layers.
@@ -294,12 +319,12 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
     tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, picture); });
   }
   if (IsTransparent(identity)) MakeTransparent(picture);
-  Expose(ExposureOf(identity), picture);
+  ExposeAndCompose(identity, part.window, picture);
   std::erase_if(picture.layers, [&](const NamedChannel& channel) {
     return !IsOfLayers(channel.name, layers) && !IsOfDenoiser(channel.name);
   });
-  if (!identity.backplate.empty() && !picture.alpha.empty()) {
-    PutOverBackplate(identity, part.window, picture);
+  for (NamedChannel& channel : ChannelsOf("composite", picture.composite)) {
+    picture.layers.push_back(std::move(channel));
   }
   return picture;
 }
@@ -313,7 +338,8 @@ Metadata OfDerived(Metadata metadata, std::string_view command) {
 }
 
 void Expose(const ExposureRequest& resolved, Picture& picture) {
-  picture.tone = Tone(resolved, picture.image, picture.layers);
+  picture.tone = picture.composite.rgb.empty() ? Tone(resolved, picture.image, picture.layers)
+                                               : Tone(resolved, picture.composite);
   std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
   if (!IsAutomatic(resolved)) return;
   const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
@@ -323,8 +349,9 @@ void Expose(const ExposureRequest& resolved, Picture& picture) {
 
 ExposureRequest ExposureOfDerived(const ExposureRequest& request, const Metadata& metadata) {
   ExposureRequest exposure = ResolveExposure(request, JobRequest());
-  const bool was_automatic = std::any_of(
-      metadata.begin(), metadata.end(), [](const auto& text) { return text.first == kPngExposure; });
+  const bool was_automatic = std::any_of(metadata.begin(), metadata.end(), [](const auto& text) {
+    return text.first == kPngExposure;
+  });
   if (was_automatic && !exposure.exposure && exposure.photo.shutter_seconds <= 0) {
     exposure.exposure = ExposureChoice{.automatic = true};
   }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,6 +60,20 @@ template <>
 inline constexpr auto kEnumNames<Background> = std::to_array<Named<Background>>(
     {{Background::kMap, "map"}, {Background::kTransparent, "transparent"}});
 
+// What gives catchers their colours: they themselves, the backplate, or the map on the dome.
+enum class Projected { kNone, kCamera, kDome };
+template <>
+inline constexpr auto kEnumNames<Projected> = std::to_array<Named<Projected>>(
+    {{Projected::kNone, "none"}, {Projected::kCamera, "camera"}, {Projected::kDome, "dome"}});
+
+// A map that was taken over the ground, inside a sphere (kernels/lights/projection.h). Lengths are
+// those of the world.
+struct DomeRequest {
+  float height = 1;
+  float radius = std::numeric_limits<float>::infinity();  // > height
+  friend bool operator==(const DomeRequest&, const DomeRequest&) = default;
+};
+
 // A plane under the scene, which a photograph may show already.
 enum class Ground { kNone, kGrey, kCatcher };
 
@@ -68,12 +83,15 @@ struct JobRequest {
   std::string scene;  // file or built-in scene
   Ground ground = Ground::kNone;
   ReadOptions read;
-  std::vector<std::string> materials;  // changes, see job/material_changes.h
-  std::vector<std::string> catchers;   // names of materials and meshes, see job/marks.h
-  std::vector<std::string> holdouts;   // likewise
-  // Unset: transparent where there are catchers, holdouts or a backplate, else the map.
+  std::vector<std::string> materials;            // changes, see job/material_changes.h
+  std::vector<std::string> catchers;             // names of materials and meshes, see job/marks.h
+  std::vector<std::string> holdouts;             // likewise
+  std::vector<std::string> links, shadow_links;  // see job/links.h
+  // Unset: transparent where there are catchers, holdouts, a backplate or a dome, else the map.
   std::optional<Background> background;
   std::string backplate;                         // a file, see job/backplate.h; empty: none
+  std::optional<DomeRequest> dome;               // behind the scene where there is no backplate
+  std::optional<Projected> project;              // unset: the dome, where there is one
   SkyDivision sky_patches = SkyDivision::kNone;  // into which the groups of lights part the map
   // If false, rough conductors and glass lose the light that their facets would scatter more than
   // once.

@@ -18,7 +18,7 @@ bool HaveOneBvh(const GeometryTables& a, const GeometryTables& b) {
   };
   return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices &&
          std::ranges::equal(corners(a), corners(b)) && a.spans == b.spans &&
-         a.one_sided == b.one_sided && a.catchers.empty() == b.catchers.empty() &&
+         a.calls_filter() == b.calls_filter() &&
          std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     same);
 }
@@ -33,14 +33,13 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
       shares_bvh_(twin && HaveOneBvh(tables_, twin->tables_)),
       embree_(shares_bvh_ ? std::shared_ptr<const EmbreeScene>(twin, twin->embree_.get())
                           : std::make_shared<const EmbreeScene>(
-                                EmbreeTriangles{
-                                    .vertices = tables_.vertices.data(),
-                                    .vertex_count = tables_.vertex_count(),
-                                    .indices = tables_.corners.data(),
-                                    .spans = tables_.spans,
-                                    .instances = tables_.instances,
-                                    .opacity = opacity_,
-                                    .calls_filter = tables_.one_sided || !tables_.catchers.empty()},
+                                EmbreeTriangles{.vertices = tables_.vertices.data(),
+                                                .vertex_count = tables_.vertex_count(),
+                                                .indices = tables_.corners.data(),
+                                                .spans = tables_.spans,
+                                                .instances = tables_.instances,
+                                                .opacity = opacity_,
+                                                .calls_filter = tables_.calls_filter()},
                                 path, threads, embree_config)) {}
 
 MaterialView Geometry::materials() const {

@@ -66,10 +66,12 @@ class Geometry {
   const std::uint8_t* holdouts() const {
     return tables_.holdouts.empty() ? nullptr : tables_.holdouts.data();
   }
-  // Returns whether a triangle record is of a catcher.
+  // Returns the material of the triangle that a record is of: the mixture, if it is one of two.
+  std::uint32_t MaterialOfRecord(std::uint32_t record) const {
+    return MaterialOf(tables_.triangles[TriangleOf(record)]);
+  }
   bool IsCatcher(std::uint32_t record) const {
-    return !tables_.catchers.empty() &&
-           tables_.catchers[MaterialOf(tables_.triangles[TriangleOf(record)])] != 0;
+    return !tables_.catchers.empty() && tables_.catchers[MaterialOfRecord(record)] != 0;
   }
   bool has_mixtures() const { return !tables_.mixed.empty(); }
   std::size_t triangle_count() const { return tables_.triangle_count(); }

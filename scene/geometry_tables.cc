@@ -381,6 +381,9 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
   if (HasHoldouts(scene)) {
     for (const Material& material : scene.materials) tables.holdouts.push_back(material.holdout);
   }
+  tables.has_unshadowed =
+      std::any_of(scene.materials.begin(), scene.materials.end(),
+                  [](const Material& material) { return material.unshadowed != 0; });
   for (const MeasuredBrdf& brdf : scene.measured) {
     tables.measured.insert(tables.measured.end(), brdf.rgb.begin(), brdf.rgb.end());
   }

@@ -50,6 +50,9 @@ struct GeometryTables {
   bool one_sided = false;                    // camera rays pass through the back of some triangle
   std::vector<std::uint8_t> catchers;        // by material, 1 for catchers; empty: there are none
   std::vector<std::uint8_t> holdouts;        // likewise
+  bool has_unshadowed = false;               // some surface throws no shadow of some light
+  // Whether some rays pass through surfaces that others meet.
+  bool calls_filter() const { return one_sided || !catchers.empty() || has_unshadowed; }
 
   std::vector<MaterialRecord> materials;
   std::vector<NormalMapRecord> normal_maps;  // by material

@@ -10,6 +10,7 @@
 #include "wavefront/option_names.h"
 #include "wavefront/policy.h"
 #include "wavefront/render_option.h"
+#include "wavefront/stages/links.h"
 
 namespace skywave {
 namespace {
@@ -58,6 +59,17 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
     throw OptionError("catcher", "",
                       fmt::format("catchers are known to `integrator {}`, without `split`",
                                   NamesWith(&IntegratorDescriptor::has_catchers)));
+  }
+  if (Sums(options.aovs, AovSum::kBackdrop) &&
+      !(integrator.has_catchers && options.bsdf_samples == 0)) {
+    throw OptionError("dome", "",
+                      fmt::format("is known to `integrator {}`, without `split`",
+                                  NamesWith(&IntegratorDescriptor::has_catchers)));
+  }
+  if (options.of<LinkOptions>().count > 0 && !one_start) {
+    throw OptionError("link", "",
+                      fmt::format("lights are linked by `integrator {}`, without `split`",
+                                  NamesWith(&IntegratorDescriptor::has_light_groups)));
   }
   if (HasSigns(options.filter) &&
       (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect) ||

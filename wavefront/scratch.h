@@ -8,7 +8,7 @@
 //     PixelUniforms;
 //   - Scratch::second lends LensUniforms, LobeUniforms and AimUniforms, or SplitRemainder (u) and
 //     LightReach (v);
-//   - Scratch::words lends RayQueues and RayKeys;
+//   - Scratch::words lends RayQueues, CaughtRows and RayKeys;
 //   - Worker::hits lends LightPlaces;
 //   - Worker::escaped lends EmitterHits and EnvironmentDensities;
 //   - Worker::lights lends ScatteredDirections;
@@ -148,6 +148,20 @@ struct QueueColumns {
 // Each ray has a queue from classification until surfaces have been moved.
 struct RayQueues : Borrowed<QueueColumns> {
   explicit RayQueues(const Scratch& s) : Borrowed({s.words->word}, s.words.rows(), "RayQueues") {}
+};
+
+struct CaughtColumns {
+  std::uint32_t* row;  // in SurfaceColumns
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.row);
+  }
+};
+
+// The catchers among the surfaces, before any of them is lit.
+struct CaughtRows : Borrowed<CaughtColumns> {
+  explicit CaughtRows(const Scratch& s) : Borrowed({s.words->word}, s.words.rows(), "CaughtRows") {}
 };
 
 struct KeyColumns {

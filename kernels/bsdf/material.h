@@ -45,7 +45,8 @@ enum class MaterialPart {
   kEmission,
   kSidedness,
   kCatcher,
-  kHoldout
+  kHoldout,
+  kLinks
 };
 
 struct Material {
@@ -122,6 +123,10 @@ struct Material {
   // Where the camera sees the surface first, the picture is empty.
   bool holdout = false;
 
+  // Bits of links (wavefront/stages/links.h): their lights do not shine on the surface, or are not
+  // shadowed by it.
+  std::uint32_t unlit = 0, unshadowed = 0;
+
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
 
@@ -158,6 +163,8 @@ struct Material {
         return catcher;
       case MaterialPart::kHoldout:
         return holdout;
+      case MaterialPart::kLinks:
+        return (unlit | unshadowed) != 0;
     }
     return true;
   }
@@ -172,7 +179,8 @@ struct Material {
            sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
            roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
            normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture, one_sided, catcher, holdout] = self;
+           emits_on_both_sides, emission_texture, one_sided, catcher, holdout, unlit, unshadowed] =
+        self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -212,6 +220,8 @@ struct Material {
     f("one_sided", kSidedness, one_sided);
     f("catcher", kCatcher, catcher);
     f("holdout", kHoldout, holdout);
+    f("unlit", kLinks, unlit);
+    f("unshadowed", kLinks, unshadowed);
   }
 };
 

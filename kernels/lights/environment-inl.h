@@ -47,6 +47,31 @@ HWY_INLINE void MapPosition(const EnvironmentView& map, const V3& dir, VF& u, VF
   v = 2.0f * Atan2Turn(sine, m.z);
 }
 
+// Interpolates the map between texel centres, in full precision.
+HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
+  const VF x = u * float(map.width) - 0.5f;
+  const VF y = v * float(map.height) - 0.5f;
+  const VF x_floor = hn::Floor(x), y_floor = hn::Floor(y);
+  const VF fx = x - x_floor, fy = y - y_floor;
+  const float last_x = float(map.width - 1), last_y = float(map.height - 1);
+  // Columns wrap at the seam; the rows at the poles repeat.
+  const VF x_next = x_floor + 1.0f;
+  const VU left = ToUnsigned(IfThen(hn::Lt(x_floor, hn::Zero(F())), Set(last_x), x_floor));
+  const VU right = ToUnsigned(IfThen(hn::Gt(x_next, Set(last_x)), hn::Zero(F()), x_next));
+  const VU top = ToUnsigned(Clamp(y_floor, 0.0f, last_y));
+  const VU bottom = ToUnsigned(Clamp(y_floor + 1.0f, 0.0f, last_y));
+  const VU width = SetU(map.width);
+  const auto texel = [&](VU column, VU row) HWY_ATTR {
+    const VU at = (row * width + column) * SetU(3);
+    return V3{Gather(map.rgb, at), Gather(map.rgb, at + SetU(1)), Gather(map.rgb, at + SetU(2))};
+  };
+  const VF one = Set(1.0f);
+  const auto across = [&](VU row) HWY_ATTR {
+    return texel(left, row) * (one - fx) + texel(right, row) * fx;
+  };
+  return across(top) * (one - fy) + across(bottom) * fy;
+}
+
 // Returns the cell of a position in [0, 1] on a line of `count` cells.
 HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
   const VF scaled = hn::Max(position * float(count), hn::Zero(F()));

@@ -109,6 +109,16 @@ TEST_F(Photographs, OfRadianceHaveItsUnits) {
   EXPECT_EQ(Layer(picture, "composite.G")[5], 3);
 }
 
+// What the PNG shows is exposed: with the objects alone, the photograph would not count.
+TEST_F(Photographs, OfRadianceAreExposedWithThePicture) {
+  const Image radiance =
+      MadeImage(kWidth, kHeight, [](int x, int) { return glm::vec3(20 + 0.1f * float(x)); });
+  WriteExr(folder_.Path("plate.exr"), radiance);
+  const Picture picture = Render("plate.exr", {.exposure = ExposureChoice{.automatic = true}});
+  EXPECT_EQ(picture.tone.exposure_stops, AutomaticExposureStops(picture.composite, {}));
+  EXPECT_LT(picture.tone.exposure_stops, AutomaticExposureStops(picture.image, {}) - 1);
+}
+
 TEST_F(Photographs, BehindACropAreThoseOfItsPixels) {
   const ExposureRequest exposure = {.exposure = ExposureChoice{.stops = 0}};
   const Picture whole = Render("plate.png", exposure);

@@ -24,14 +24,16 @@ TEST(Material, VisitsEveryMemberButTheName) {
   // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
                m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35,
-               m36, m37, m38] = m;
-  constexpr std::size_t kMembers = 39;
+               m36, m37, m38, m39, m40] = m;
+  constexpr std::size_t kMembers = 41;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
       {"one_sided", &m.one_sided},
       {"catcher", &m.catcher},
       {"holdout", &m.holdout},
+      {"unlit", &m.unlit},
+      {"unshadowed", &m.unshadowed},
       {"eta", &m.eta},
       {"k", &m.k},
       {"alpha", &m.alpha},

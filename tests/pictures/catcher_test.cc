@@ -291,7 +291,7 @@ TEST(Catchers, LayersDoNotDependOnThreadsAndWaves) {
 TEST(Catchers, MeshesAndMaterialsAreNamed) {
   Scene scene = WithObjects(PlaceScene());
   scene.meshes[2].material = scene.meshes[0].material;  // an object like the floor
-  Mark("catcher", {"floor of the place", "wall"}, &Material::catcher, scene);
+  Mark("catcher", {"floor of the place", "wall"}, FlagOf(&Material::catcher), scene);
   EXPECT_TRUE(scene.materials[scene.meshes[0].material].catcher);
   EXPECT_TRUE(scene.materials[scene.meshes[1].material].catcher);
   EXPECT_FALSE(scene.materials[scene.meshes[2].material].catcher);

@@ -102,8 +102,13 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
     sums.weights.resize(sums.slots * pixels);
   }
   if ((aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
-    for (FilmValues<std::uint64_t>& part : light_parts_) part.resize(pixels * 3);
+    for (const LightPart part : {LightPart::kForeground, LightPart::kCaught, LightPart::kClean}) {
+      light_parts_[std::size_t(part)].resize(pixels * 3);
+    }
     if (weights_.empty()) weights_.resize(pixels * kFirsts);
+  }
+  if (Sums(aovs, AovSum::kBackdrop)) {
+    light_parts_[std::size_t(LightPart::kBackdrop)].resize(pixels * 3);
   }
   if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
 }
@@ -360,6 +365,8 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
         const double added = has_signs_ ? rest : std::max(rest, 0.0);
         return (LightOf(LightPart::kForeground, i) + added) * unit_of_mean;
       }
+      case AovSum::kBackdrop:
+        return LightOf(LightPart::kBackdrop, i) * unit_of_mean;
       case AovSum::kLightGroups:
         return SumValue(lit_[group * pixels_ * 3 + i], has_signs_) * unit_of_mean;
       case AovSum::kMatte:

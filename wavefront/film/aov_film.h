@@ -33,12 +33,14 @@ struct FirstHits {
   std::uint32_t rays;  // rows of the last three
 };
 
-// The light of catchers and objects is summed in these parts.
+// The light of catchers, of objects and of what is behind them is summed in these parts.
 enum class LightPart {
   kForeground,  // of objects
   kCaught,      // of catchers
-  kClean        // of catchers, without the objects
+  kClean,       // of catchers, without the objects
+  kBackdrop     // what camera rays would see if nothing was in front
 };
+inline constexpr std::size_t kLightParts = 4;
 
 class AovFilm {
  public:
@@ -165,7 +167,8 @@ class AovFilm {
   // The filter's weights of samples whose first surface is of an object, of a catcher, and of those
   // that have none: three per pixel.
   FilmValues<std::uint64_t> weights_;
-  std::array<FilmValues<std::uint64_t>, 3> light_parts_;  // three per pixel [1 / scale.units]
+  // Three per pixel, by LightPart [1 / scale.units].
+  std::array<FilmValues<std::uint64_t>, kLightParts> light_parts_;
   std::shared_ptr<const Mattes> matte_names_;
   std::array<MatteSums, kMattes> mattes_;  // by MatteOf
 };

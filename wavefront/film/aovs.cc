@@ -122,6 +122,11 @@ constexpr Aov kAovs[] = {
      .sum = AovSum::kForeground,
      .help = "the beauty to put over a photograph by alpha",
      .of_composites = true},
+    {.name = "backdrop",
+     .channels = "RGB",
+     .sum = AovSum::kBackdrop,
+     .help = "what is behind the picture: the map on the ground and on the dome",
+     .of_composites = true},
     {.name = "crypto-object",
      .channels = "RGBA",
      .sum = AovSum::kMatte,
@@ -169,7 +174,7 @@ AovSet AovsOf(AovSum sum) {
 }
 
 AovSet CatcherAovs() {
-  return Those([](const Aov& aov) { return aov.of_composites; });
+  return Those([](const Aov& aov) { return aov.of_composites && aov.sum != AovSum::kBackdrop; });
 }
 
 std::optional<AovSet> ParseAovs(std::string_view names) {

@@ -35,6 +35,7 @@ enum class AovSum {
   kShadow,      // light of catchers with the objects over that without them
   kDifference,  // the same, subtracted
   kForeground,  // the beauty without what is behind it
+  kBackdrop,    // what is behind it: a map on the ground and on a dome (LightPart::kBackdrop)
   kMatte        // ids of first surfaces and their shares (wavefront/film/mattes.h)
 };
 

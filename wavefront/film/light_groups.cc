@@ -9,9 +9,8 @@
 #include "scene/local_lights.h"
 
 namespace skywave {
-namespace {
 
-std::string NameOf(const LocalLight& light, const Scene& scene, const Geometry& geometry) {
+std::string NameOfLight(const LocalLight& light, const Scene& scene, const Geometry& geometry) {
   std::string name;
   if (light.kind == LocalLightKind::kTriangle) {
     const Mesh& mesh = scene.meshes[geometry.MeshOf(light.triangle)];
@@ -27,8 +26,6 @@ std::string NameOf(const LocalLight& light, const Scene& scene, const Geometry& 
   return name;
 }
 
-}  // namespace
-
 LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
                             const LocalLightView& lights, const SkyPatches& sky) {
   LightGroups groups = {.names = {"environment"}, .of_light = {}, .sky = sky};
@@ -37,7 +34,7 @@ LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
   for (std::uint32_t i = 0; i < patches; ++i) groups.names.push_back(fmt::format("sky-{:03}", i));
   const std::size_t first = groups.names.size() - 1;
   for (std::uint32_t i = 0; i < lights.count; ++i) {
-    const std::string name = NameOf(lights.lights[i], scene, geometry);
+    const std::string name = NameOfLight(lights.lights[i], scene, geometry);
     auto found = std::find(groups.names.begin(), groups.names.end(), name);
     if (found == groups.names.end()) {
       if (groups.names.size() < first + kMaxLightGroups) {

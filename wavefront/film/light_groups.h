@@ -33,6 +33,9 @@ struct LightGroups {
 };
 inline constexpr std::uint32_t kEnvironmentGroup = 0;  // or the first patch
 
+// Returns the name of a local light: that of its group.
+std::string NameOfLight(const LocalLight& light, const Scene& scene, const Geometry& geometry);
+
 // Lights of one name are a group: emitting surfaces have the name of their material ("lamps"
 // without one), other lights their own, or else that of their kind. Characters of names other than
 // letters, digits and '-' become '_'. The environment is one group, or has one for each patch of

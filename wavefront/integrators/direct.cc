@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "wavefront/integrator.h"
+#include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
+#include "wavefront/stages/projection.h"
 
 namespace skywave {
 namespace {
@@ -38,12 +40,18 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   StageClock clock(w.stats);
   GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, w.rays[0]);
   StartGroups(frame, range.count, film, w);
+  KeepBackdrop(frame, w.rays[0], range.count, w, film);
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end = FollowDirect(frame, range.count, w, &film, clock);
   FinishWave(frame, range.count, end, w, film, clock);
   RenderPlace(frame, range, w, film, clock, [&](const FrameView& place, std::uint32_t n) {
     FollowDirect(place, n, w, nullptr, clock);
   });
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  AddPlaceTables(options, worker);
+  AddLinkTables(options, worker);
 }
 
 }  // namespace
@@ -55,7 +63,7 @@ IntegratorDescriptor DirectIntegrator() {
           .controls = true,
           .has_light_groups = true,
           .has_catchers = true,
-          .add_tables = AddPlaceTables,
+          .add_tables = AddTables,
           .render_wave = RenderDirectWave};
 }
 

@@ -11,8 +11,10 @@
 #include "wavefront/paths/camera_paths.h"
 #include "wavefront/policy.h"
 #include "wavefront/render_option.h"
+#include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
+#include "wavefront/stages/projection.h"
 
 namespace skywave {
 
@@ -20,6 +22,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   StageClock clock(w.stats);
   GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, w.rays[0]);
   StartGroups(frame, range.count, film, w);
+  KeepBackdrop(frame, w.rays[0], range.count, w, film);
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end =
       FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
@@ -43,6 +46,7 @@ std::span<const RenderOption> Options() {
 
 void AddTables(const RenderOptions& options, Worker& worker) {
   AddPlaceTables(options, worker);
+  AddLinkTables(options, worker);
   if (options.bsdf_samples == 0) return;
   AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
 }

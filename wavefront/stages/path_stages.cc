@@ -8,7 +8,9 @@
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
 #include "wavefront/stages/checks.h"
+#include "wavefront/stages/links.h"
 #include "wavefront/stages/place.h"
+#include "wavefront/stages/projection.h"
 
 namespace skywave {
 namespace {
@@ -146,6 +148,7 @@ std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const R
 void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
                std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
                Worker& w, StageClock& clock) {
+  HideLights(frame, rays, n, bounce, from.points.surfaces, w);
   escaped = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
   if (bounce == 0 && !frame.shows_background) escaped = 0;
   CountEscaping(n, escaped, w.stats.lanes);
@@ -157,6 +160,7 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
     GroupsOfDirections(frame, rays.dir_x, rays.dir_y, rays.dir_z, n, group);
   });
   AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);
+  ShowLights(frame, rays, n, w);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
   clock.Lap(Stage::kEscape);
@@ -225,6 +229,7 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
   SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
   SeeLights(frame, rays, sorted.queues, n, sorted.escaped, bounce, from, w, clock);
   PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
+  ColorCatchers(frame, w);
 }
 
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
@@ -261,7 +266,8 @@ void TraceLights(const FrameView& frame, ShadowTarget target, const RayKeys& key
   clock.Lap(Stage::kEvaluate);
   const auto trace = target == ShadowTarget::kCamera ? TraceToCamera : TraceShadows;
   BeforeShadows(frame, w);
-  trace(frame.tracer, w.surfaces, n, w.lights, keys->key);
+  TraceByLinks(frame, w,
+               [&](const Tracer& tracer) { trace(tracer, w.surfaces, n, w.lights, keys->key); });
   AfterShadows(frame, w);
   clock.Lap(Stage::kShadow, RayKind::kShadow);
   CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
@@ -280,6 +286,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         SampleLights(frame, points, shares, pairs + SamplePair(bounce, SampleUse::kLight), index,
                      uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
+    LinkSamples(frame, shares, index, uniforms->u, w);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w));
     SeeObjectLamps(frame, shares, index, uniforms->u, w);
