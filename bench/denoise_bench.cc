@@ -51,7 +51,8 @@ void BM_Denoise(benchmark::State& state) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     std::size_t(state.range(2)));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(Denoise("bench", picture.image, picture.layers));
+    benchmark::DoNotOptimize(
+        Denoise(Denoiser::kStatistics, "bench", picture.image, picture.layers));
   }
   state.counters["ns/pixel"] =
       benchmark::Counter(double(state.iterations()) * double(picture.image.rgb.size()) / 3,

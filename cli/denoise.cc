@@ -21,6 +21,7 @@ namespace {
 
 struct DenoiseFlags {
   std::string input, output;
+  Denoiser by = Denoiser::kStatistics;
   ExposureRequest exposure;
   ReadLimits limits;
   int threads = 0;
@@ -44,16 +45,20 @@ int DenoiseMain(const DenoiseFlags& flags) {
   }
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
   std::vector<std::string> notes = CheckNoisy(flags.input, flags.limits);
+  const Denoiser by = ResolveDenoiser(flags.by);
   const LayeredImage noisy = ReadDataWindow(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));
-  Denoised clean = arena.execute([&] { return Denoise(flags.input, noisy.image, noisy.layers); });
+  Denoised clean =
+      arena.execute([&] { return Denoise(by, flags.input, noisy.image, noisy.layers); });
   Picture picture = {
       .image = std::move(clean.image),
       .layers = noisy.layers,
       .notes = std::move(notes),
       .metadata = OfDerived(ReadExrMetadata(flags.input, flags.limits), "noisyCommand"),
       .placement = noisy.placement};
-  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
+  picture.metadata.emplace_back("denoiser", ToString(by));
+  if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);
   Expose(ExposureOfDerived(flags.exposure, picture.metadata), picture);
   picture.layers = std::move(clean.error);
   WriteExrAndPng(flags.output, picture);
@@ -66,6 +71,17 @@ int DenoiseMain(const DenoiseFlags& flags) {
   return 0;
 }
 
+// Returns the names of denoisers but that of none.
+Codec<Denoiser> Methods() {
+  Codec<Denoiser> codec = NamesOfEnum<Denoiser>();
+  codec.values = "statistics|oidn|best|auto";
+  codec.parse = [parse = codec.parse](const std::string& text) -> std::optional<Denoiser> {
+    const std::optional<Denoiser> by = parse(text);
+    return by == Denoiser::kNone ? std::nullopt : by;
+  };
+  return codec;
+}
+
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<DenoiseFlags>> DenoiseOptions() {
   constexpr OptionMaker<DenoiseFlags> option = {};
@@ -73,6 +89,7 @@ std::vector<OptionOf<DenoiseFlags>> DenoiseOptions() {
   return {
     option({.name = "input", .help = "EXR with the layers of --aovs denoiser", .scope = OptionScope::kInput, .metavar = "EXR", .positional = true, .required = true}, FIELD(input), Texts("EXR")),
     option({.name = "output", .help = "EXR file with the layer error, and a PNG of the same name", .metavar = "EXR", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
+    option({.name = "by", .help = "statistics of the samples, Open Image Denoise (oidn), best, by the better of both in each pixel, or auto, by both if it is installed", .scope = OptionScope::kPixels}, FIELD(by), Methods()),
     option({.name = "threads", .help = "0: as many as the process may use", .scope = OptionScope::kSpeed}, FIELD(threads), Numbers(0, 4096)),
     option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),

@@ -28,10 +28,9 @@ std::string FlagsOf(const OptionInfo& info) {
   return info.letter == 0 ? name : fmt::format("-{},{}", info.letter, name);
 }
 
-// Returns the hidden flag that a switch and its word are turned into, since switches have no
-// values.
-std::string FlagOfWord(const OptionInfo& info) {
-  return fmt::format("--{}-{}", info.name, info.word);
+// Returns the hidden flag that a switch and a word are turned into, since switches have no values.
+std::string FlagOfWord(const OptionInfo& info, std::string_view word) {
+  return fmt::format("--{}-{}", info.name, word);
 }
 
 // Joins switches of the command to words that follow them, after a blank or an equals sign.
@@ -39,12 +38,15 @@ std::vector<std::string> JoinWords(std::vector<std::string> arguments,
                                    const std::vector<BoundOption>& options) {
   for (const BoundOption& option : options) {
     const OptionInfo& info = option.info;
-    if (info.word.empty()) continue;
-    const std::string flag = "--" + std::string(info.name), word(info.word);
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-      if (arguments[i] == flag + "=" + word) arguments[i] = FlagOfWord(info);
-      if (arguments[i] != flag || i + 1 == arguments.size() || arguments[i + 1] != word) continue;
-      arguments[i] = FlagOfWord(info);
+    const std::string flag = "--" + std::string(info.name);
+    for (std::size_t i = 0; i < arguments.size() && !info.words.empty(); ++i) {
+      if (arguments[i].starts_with(flag + "=")) {
+        const std::string word = arguments[i].substr(flag.size() + 1);
+        if (IsOneOf(word, info.words)) arguments[i] = FlagOfWord(info, word);
+      }
+      if (arguments[i] != flag || i + 1 == arguments.size()) continue;
+      if (!IsOneOf(arguments[i + 1], info.words)) continue;
+      arguments[i] = FlagOfWord(info, arguments[i + 1]);
       arguments.erase(arguments.begin() + std::ptrdiff_t(i) + 1);
     }
   }
@@ -69,9 +71,8 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     app.add_flag_function(flags, put(!on), Explanation(info))->group(group);
     // The default value can be given explicitly too, for scripts; it is not worth a line of help.
     app.add_flag_function((on ? "--" : "--no-") + std::string(info.name), put(on))->group("");
-    if (!info.word.empty()) {
-      app.add_flag_function(FlagOfWord(info),
-                            [take, &info](std::int64_t) { take({std::string(info.word)}); })
+    for (const std::string& word : SplitWords(info.words)) {
+      app.add_flag_function(FlagOfWord(info, word), [take, word](std::int64_t) { take({word}); })
           ->group("");
     }
     return;

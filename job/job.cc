@@ -15,6 +15,7 @@
 #include "job/camera_file.h"
 #include "job/choose_camera.h"
 #include "job/denoise/denoise.h"
+#include "job/denoise/oidn.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/resolve.h"
@@ -173,6 +174,12 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   request_ = request;
   TakeCameraOfFile(request_, warnings_);
   request_ = ResolveRequest(std::move(request_), parts.loaded().settings, notes_);
+  if (request_.denoise == Denoiser::kAuto && OidnVersion().empty()) {
+    notes_.emplace_back(
+        "`denoise auto`: Open Image Denoise is not there (pip install pyoidn brings it), so "
+        "statistics alone are used");
+  }
+  request_.denoise = ResolveDenoiser(request_.denoise);
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
   }
@@ -209,7 +216,7 @@ void RenderJob::PlanComposites(const Scene& scene) {
   RenderOptions& options = request_.options;
   AovSet layers = 0;
   if (HasCatchers(scene)) {
-    if (request_.denoise) {
+    if (request_.denoise != Denoiser::kNone) {
       throw OptionError("denoise", "", "the light of catchers cannot be denoised yet");
     }
     request_.background = request_.background.value_or(Background::kTransparent);
@@ -277,7 +284,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());
-  if (options().aovs != 0 || request_.denoise)
+  if (options().aovs != 0 || request_.denoise != Denoiser::kNone)
     world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
 
@@ -428,7 +435,8 @@ FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
        options().width, options().height}};
   return {.area = area,
           .brightest_radiance = brightest_,
-          .aovs = options().aovs | layers | (request_.denoise ? DenoiserLayers() : 0),
+          .aovs = options().aovs | layers |
+                  (request_.denoise != Denoiser::kNone ? DenoiserLayers() : 0),
           .world_extent = world_extent_,
           .shared = Describe(integrator).has_splats,
           .light_groups = light_groups_.names,

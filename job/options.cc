@@ -14,6 +14,7 @@
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
 #include "wavefront/render_option.h"
+#include "wavefront/stages/links.h"
 
 namespace skywave {
 namespace {
@@ -121,6 +122,25 @@ Codec<Ground> Grounds() {
           .is_switch = true};
 }
 
+Codec<Denoiser> Denoisers() {
+  return {.values = "true|false|oidn|best|auto",
+          .metavar = "",
+          .parse = [](const std::string& text) -> std::optional<Denoiser> {
+            if (text != "none") {
+              if (const std::optional<Denoiser> by = Parse<Denoiser>(text)) return by;
+            }
+            const std::optional<bool> on = Switches().parse(text);
+            if (!on) return std::nullopt;
+            return *on ? Denoiser::kStatistics : Denoiser::kNone;
+          },
+          .print =
+              [](const Denoiser& by) {
+                if (by > Denoiser::kStatistics) return std::string(ToString(by));
+                return Switches().print(by == Denoiser::kStatistics);
+              },
+          .is_switch = true};
+}
+
 // Both sides of the film are one option and two fields.
 OptionOf<JobRequest> SizeOption(OptionInfo info) {
   info.values = "WxH, for example 640x480";
@@ -218,8 +238,8 @@ std::vector<JobOption> CommonRows() {
           FIELD(portals), Texts("X,Y,Z of four corners, or the name of a mesh")),
     Plain({.name = "aovs", .help = "layers of the EXR in addition to the picture (see below)", .scope = kPixels, .example = "--aovs albedo,depth"},
           FIELD(options.aovs), Layers()),
-    Plain({.name = "denoise", .help = "denoise the picture by the statistics of its samples; the EXR keeps the noisy picture and the estimated error as layers", .scope = kPixels, .example = "--denoise --spp 8"},
-          FIELD(denoise), Switches()),
+    Plain({.name = "denoise", .help = "denoise the picture by the statistics of its samples, or, followed by the word oidn, by Open Image Denoise, best, by the better of both in each pixel, or auto, by both if it is installed; the EXR keeps the noisy picture and the estimated error as layers", .scope = kPixels, .example = "--denoise --spp 8", .words = "oidn|best|auto"},
+          FIELD(denoise), Denoisers()),
     Plain({.name = "threads", .help = "0: as many as the process may use", .scope = kSpeed, .example = "--threads 1", .in_suite = true},
           FIELD(options.threads), Numbers(0, 4096)),
 
@@ -261,7 +281,7 @@ std::vector<JobOption> CommonRows() {
           FIELD(camera.name), Texts("the name of a camera")),
     Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
           FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
-    Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene; followed by the word catcher, the plane is one (see --catcher)", .scope = kPixels, .changes = Tables::kPrepared | Tables::kTriangles, .example = "--ground catcher", .word = "catcher"},
+    Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene; followed by the word catcher, the plane is one (see --catcher)", .scope = kPixels, .changes = Tables::kPrepared | Tables::kTriangles, .example = "--ground catcher", .words = "catcher"},
           FIELD(ground), Grounds()),
 
     Plain({.name = "material", .group = kMaterials, .help = "give the material NAME another BSDF with these parameters, or without a BSDF only other parameters (KEY=1 or KEY=0.8/0.2/0.1); several are separated by ;", .scope = kPixels, .changes = Tables::kPrepared, .example = "moving.gltf --material 'paint=conductor:alpha=0.2,reflectance=0.9/0.5/0.1;steel=:alpha=0.4'", .default_text = "the scene's", .metavar = "NAME=[BSDF][:KEY=VALUE,...]", .most_values = 1000, .delimiter = ';'},

@@ -86,19 +86,20 @@ std::vector<NamedChannel> ChannelsOf(std::string_view name, const Image& image) 
 
 // Replaces the picture by a clean one, by the layers that the denoiser reads, and adds those that
 // denoising adds.
-void Clean(const std::string& scene, Picture& picture) {
+void Clean(Denoiser by, const std::string& scene, Picture& picture) {
   if (!CanDenoise(picture.image, picture.layers)) {
     picture.notes.push_back(
         fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
                     kFewestDenoiserSamples));
     return;
   }
-  Denoised clean = Denoise(scene, picture.image, picture.layers);
+  Denoised clean = Denoise(by, scene, picture.image, picture.layers);
   for (NamedChannel& channel : ChannelsOf("noisy", picture.image)) {
     picture.layers.push_back(std::move(channel));
   }
   for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
-  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
+  if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);
   picture.image = std::move(clean.image);
 }
 
@@ -254,9 +255,10 @@ bool IsOfDenoiser(std::string_view channel) {
   return channel.starts_with("noisy.") || channel.starts_with("error.");
 }
 
-bool IsDenoised(const PictureIdentity& identity) {
+Denoiser DenoiserOf(const PictureIdentity& identity) {
   const RecordedOption* const option = Find(identity.options, "denoise");
-  return option != nullptr && !option->words.empty();
+  if (option == nullptr || option->words.empty()) return Denoiser::kNone;
+  return Parse<Denoiser>(ValueOf(*option)).value_or(Denoiser::kStatistics);  // the switch alone
 }
 
 bool IsTransparent(const PictureIdentity& identity) {
@@ -265,7 +267,7 @@ bool IsTransparent(const PictureIdentity& identity) {
 }
 
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity) {
-  return layers | (IsDenoised(identity) ? DenoiserLayers() : 0) |
+  return layers | (DenoiserOf(identity) != Denoiser::kNone ? DenoiserLayers() : 0) |
          (IsAutomatic(ExposureOf(identity)) ? MeteredLayers() : 0);
 }
 
@@ -315,8 +317,8 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   }
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
-  if (IsDenoised(identity)) {
-    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, picture); });
+  if (const Denoiser by = DenoiserOf(identity); by != Denoiser::kNone) {
+    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(by, identity.scene, picture); });
   }
   if (IsTransparent(identity)) MakeTransparent(picture);
   ExposeAndCompose(identity, part.window, picture);

@@ -38,7 +38,7 @@ struct PictureIdentity {
 
 // Returns the identity of the picture of a job. If not repeatable, no file has its scene. Of the
 // limits, those count that give pixels different numbers of samples.
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable,
                            const RenderLimits& limits = {});
 
 // Returns whether pixels of the picture may have different numbers of samples.
@@ -58,8 +58,8 @@ std::string ValueOf(const RecordedOption& option);
 // nothing if they are the same. Names of files do not matter, what is in them does.
 std::string Difference(const PictureIdentity& here, const PictureIdentity& there);
 
-// Returns whether the picture is denoised.
-bool IsDenoised(const PictureIdentity& identity);
+// Returns how the picture is denoised.
+Denoiser DenoiserOf(const PictureIdentity& identity);
 
 // Returns whether the picture has alpha.
 bool IsTransparent(const PictureIdentity& identity);

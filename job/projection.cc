@@ -13,6 +13,7 @@
 #include "base/names.h"
 #include "job/backplate.h"
 #include "wavefront/frame.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {

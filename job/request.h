@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/names.h"
+#include "job/denoise/denoiser.h"
 #include "lights/maps/environment_map.h"
 #include "scene/read_options.h"
 #include "scene/scene.h"
@@ -107,9 +108,9 @@ struct JobRequest {
   std::optional<Integrator> integrator;
   std::optional<std::uint32_t> samples_per_pixel, max_depth;
   std::optional<PixelFilter> filter;
-  bool denoise = false;         // the film keeps what a denoiser reads
-  bool coherent_noise = false;  // the frame does not change the seed
-  RenderOptions options;        // everything that a scene file cannot set
+  Denoiser denoise = Denoiser::kNone;  // the film keeps what it reads
+  bool coherent_noise = false;         // the frame does not change the seed
+  RenderOptions options;               // everything that a scene file cannot set
 };
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).

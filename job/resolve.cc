@@ -178,7 +178,7 @@ void CheckResolved(const JobRequest& request) {
     throw OptionError("aovs", ToString(options.aovs), "at `max-depth 0` no surface is looked at");
   }
   CheckIntegrator(options);
-  if (request.denoise) CheckDenoised(options);
+  if (request.denoise != Denoiser::kNone) CheckDenoised(options);
 }
 
 }  // namespace skywave

@@ -83,12 +83,25 @@ Codec<std::string> Texts(std::string values) {
           .print = [](const std::string& value) { return value; }};
 }
 
+std::vector<std::string> SplitWords(std::string_view words) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin < words.size();) {
+    const std::size_t end = std::min(words.find('|', begin), words.size());
+    parts.emplace_back(words.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+bool IsOneOf(std::string_view word, std::string_view words) {
+  const std::vector<std::string> parts = SplitWords(words);
+  return std::find(parts.begin(), parts.end(), word) != parts.end();
+}
+
 Codec<std::string> OneOf(std::string words) {
   Codec<std::string> codec = Texts(words);
   codec.parse = [words](const std::string& text) -> std::optional<std::string> {
-    const bool is_word = text.find('|') == std::string::npos &&
-                         ("|" + words + "|").find("|" + text + "|") != std::string::npos;
-    return is_word ? std::optional(text) : std::nullopt;
+    return IsOneOf(text, words) ? std::optional(text) : std::nullopt;
   };
   return codec;
 }

@@ -62,13 +62,13 @@ struct OptionInfo {
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
   char letter = 0;                     // one-letter form, 0: none
   bool positional = false, required = false;
-  bool scene_may_set = false;  // a scene file may give it; the option comes first
-  bool of_reading = false;     // it says how a scene is read; `skywave info` takes it as well
-  bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
-  bool of_file = false;        // its value is the name of a file to read
-  int most_values = 1;         // more than 1: a list, separated by spaces
-  std::string_view word = {};  // a value that may follow a switch, as in "--ground catcher"
-  char delimiter = 0;          // of a list in one word, 0: none
+  bool scene_may_set = false;   // a scene file may give it; the option comes first
+  bool of_reading = false;      // it says how a scene is read; `skywave info` takes it as well
+  bool in_suite = false;        // `skywave bench` takes it for its suite of scenes
+  bool of_file = false;         // its value is the name of a file to read
+  int most_values = 1;          // more than 1: a list, separated by spaces
+  std::string_view words = {};  // values that may follow a switch, "a|b": "--ground catcher"
+  char delimiter = 0;           // of a list in one word, 0: none
   std::string_view needs = {}, excludes = {};    // another option
   std::function<bool(Integrator)> applies = {};  // null: to all integrators
 
@@ -283,6 +283,10 @@ struct OptionMaker {
 #define SKYWAVE_FIELD(path) \
   [](auto& fields) -> auto& { return fields.path; }
 
+// The words of "a|b|c", and whether `word` is one of them.
+std::vector<std::string> SplitWords(std::string_view words);
+bool IsOneOf(std::string_view word, std::string_view words);
+
 // `text` as one word of a shell command.
 std::string Quoted(const std::string& text);
 
@@ -296,7 +300,7 @@ std::string CommandWords(const OptionOf<Request>& option, const Request& request
   if (option.positional) return " " + Quoted(texts.front());
   if (option.is_switch) {
     if (texts.front() == option.printed_default) return "";
-    if (texts.front() == option.word) return fmt::format(" --{} {}", name, option.word);
+    if (IsOneOf(texts.front(), option.words)) return fmt::format(" --{} {}", name, texts.front());
     return (texts.front() == "true" ? " --" : " --no-") + name;
   }
   if (option.delimiter != 0) {

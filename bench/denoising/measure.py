@@ -5,6 +5,7 @@
     bench/denoising/measure.py --data DATA -o OUT --size 80x60 --reference 64   # does it work?
     bench/denoising/measure.py --data DATA -o OUT --cost                        # its time
     bench/denoising/measure.py --data DATA -o OUT --until 0.001                 # time to an error
+    bench/denoising/measure.py --data DATA -o OUT --by statistics oidn best     # side by side
 
 Six scenes are rendered with --samples and once with --reference samples. The first table has the
 relative mean squared error of the noisy and of the clean picture, how many times smaller it is, and
@@ -12,8 +13,9 @@ the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.
 picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
 turns, and reports the medians. --until doubles the samples, or lowers the error of --adaptive,
 until a picture has this relative mean squared error, plain and denoised, and reports the processor
-time of the whole command, which other work on the machine changes little. Pictures that are in OUT
-are not rendered again.
+time of the whole command, which other work on the machine changes little. --by puts denoisers side
+by side: relative mean squared errors, and the values outside of their intervals. Pictures that are
+in OUT are not rendered again.
 """
 
 import argparse
@@ -87,6 +89,27 @@ def quality(args):
             print(*rows[-1], flush=True)
     return lines_of_table(["scene", "samples", "noisy", "clean", "times less", "FLIP, times less",
                            "outside of 95 %"], rows, 1)
+
+
+def side_by_side(args):
+    rows = []
+    for scene in args.scenes:
+        stem = args.output / scene.replace(" ", "_")
+        reference = Path(f"{stem}_reference.exr")
+        render(args, scene, args.reference, reference, "--seed", "99", "--aovs", "variance,samples")
+        for samples in args.samples:
+            noisy = Path(f"{stem}_{samples}.exr")
+            render(args, scene, samples, noisy, "--aovs", "denoiser")
+            row = [scene, str(samples), number(compare(args, noisy, reference)["relative_mse"])]
+            for by in args.by:
+                clean = Path(f"{stem}_{samples}_{by}.exr")
+                run(args.program, "denoise", noisy, "--by", by, "-o", clean, "--quiet")
+                after = compare(args, clean, reference)
+                row += [number(after["relative_mse"]), f"{100 * after['noise']['exceeding']:.1f} %"]
+            rows.append(row)
+            print(*row, flush=True)
+    columns = [column for by in args.by for column in (by, "outside of 95 %")]
+    return lines_of_table(["scene", "samples", "noisy", *columns], rows, 1)
 
 
 def cost(args):
@@ -165,6 +188,7 @@ def main():
     parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 1024])
     parser.add_argument("--reference", type=int, default=16384)
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
+    parser.add_argument("--by", nargs="+", metavar="DENOISER", help="of `skywave denoise --by`")
     parser.add_argument("--cost", action="store_true")
     parser.add_argument("--repeats", type=int, default=5, help="of --cost")
     parser.add_argument("--until", type=float, metavar="ERROR")
@@ -173,7 +197,8 @@ def main():
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     print(processor())
-    table = cost if args.cost else until if args.until else quality
+    table = (cost if args.cost else until if args.until else side_by_side if args.by
+             else quality)
     print("\n".join(table(args)))
 
 

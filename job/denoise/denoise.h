@@ -1,5 +1,10 @@
-// A clean picture from the layers of a noisy one, by the statistics of its samples: no network, no
-// training. kernels/cross_filter.h has the filter; here are the planes that it works on.
+// A clean picture from the layers of a noisy one: by the statistics of its samples, without network
+// and training, by Open Image Denoise, or by the better of both. kernels/cross_filter.h has the
+// filter of the first; here are the planes that all of them work on.
+//
+// The samples of a pixel come in two halves. Each is cleaned by itself, so that one says how wrong
+// the other one is: this is the error that every picture has, and by which the best of them is
+// chosen.
 //
 // What is filtered is the light that falls on surfaces: the picture divided by the albedo of what
 // the pixel shows, so textures stay as they are. Outliers, single samples that are far too bright,
@@ -7,8 +12,9 @@
 // nothing as bright in the pixels around. Their excess is spread over the surface around them, so
 // energy is kept.
 //
-// All of it is local: a pixel depends on those at most 12 pixels away, and near outliers on those
-// at most 84 pixels away. The bytes do not depend on threads, tiles or instruction sets.
+// Statistics are local: a pixel depends on those at most 12 pixels away, and near outliers on those
+// at most 84 pixels away. Their bytes do not depend on threads, tiles or instruction sets, nor do
+// those of Open Image Denoise on threads.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +23,13 @@
 #include <vector>
 
 #include "image/image.h"
+#include "job/denoise/denoiser.h"
 #include "job/denoise/input.h"
 
 namespace skywave {
+
+// The attribute of a picture that has this version.
+inline constexpr char kOidnVersion[] = "openImageDenoise";
 
 struct Denoised {
   Image image;
@@ -28,14 +38,22 @@ struct Denoised {
   std::vector<NamedChannel> error;
   std::uint64_t outliers = 0;  // half pixels that were too bright
   double spread_share = 0;     // of the picture's energy, which was spread around them
+  std::string oidn;            // the version of Open Image Denoise that took part; empty: none
+  // Of kBest: the shares of the pixels by statistics, by Open Image Denoise, and left noisy.
+  double shares[3] = {};
 };
 
-// Returns the clean picture. `layers` are channels by the names of DenoiserChannels, in any order,
-// and may be others too. Throws InputError about `name` if one is missing or has another size, if
-// a value is not finite, or where a pixel has too few samples.
-Denoised Denoise(const std::string& name, const Image& image, std::span<const NamedChannel> layers);
+// Returns kBest or kStatistics for kAuto, by what is there, and others as they are. Throws
+// OptionError where Open Image Denoise is needed and not there.
+Denoiser ResolveDenoiser(Denoiser by);
 
-// Returns one line that says what was done with outliers, or nothing if there were none.
-std::string OutlierNote(const Denoised& denoised);
+// Returns the clean picture by a method that is resolved. `layers` are channels by the names of
+// DenoiserChannels, in any order, and may be others too. Throws InputError about `name` if one is
+// missing or has another size, if a value is not finite, or where a pixel has too few samples.
+Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
+                 std::span<const NamedChannel> layers);
+
+// Returns lines that say what was done with outliers, and where the best comes from.
+std::vector<std::string> NotesOf(const Denoised& denoised);
 
 }  // namespace skywave

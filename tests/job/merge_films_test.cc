@@ -196,7 +196,7 @@ TEST(MergeFilms, PassesOfPhotonsAreThoseOfTheWholePicture) {
 TEST(MergeFilms, FilmsOfDenoisedPicturesKeepWhatTheDenoiserReads) {
   const TemporaryFolder folder;
   JobRequest request = Request(Integrator::kPath, "depth");
-  request.denoise = true;
+  request.denoise = Denoiser::kStatistics;
   request.samples_per_pixel = 16;
   Parts parts(folder, request);
   const Bytes expected = parts.OneRender();
@@ -212,7 +212,7 @@ TEST(MergeFilms, FilmsOfDenoisedPicturesKeepWhatTheDenoiserReads) {
   for (const NamedChannel& channel : clean.layers) names.push_back(channel.name);
   EXPECT_EQ(names, (std::vector<std::string>{"depth.Z", "noisy.R", "noisy.G", "noisy.B", "error.R",
                                              "error.G", "error.B"}));
-  request.denoise = false;
+  request.denoise = Denoiser::kNone;
   EXPECT_FALSE(Parts(folder, request).OneRender() == expected);
 }
 

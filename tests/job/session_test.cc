@@ -285,7 +285,7 @@ TEST_F(Session, FreesTheFilmOfResolvedRows) {
   request.max_depth = 1;
   request.options.aovs = AllAovs();
   request.options.wave = 64;
-  request.denoise = true;
+  request.denoise = Denoiser::kStatistics;
   request.crop = CropWindow{3, 1, 595, 59};
   const RenderJob job = JobOf(request);
   const PictureIdentity identity = IdentityOf(job);

@@ -84,8 +84,8 @@ inline Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int
   return noisy;
 }
 
-inline Denoised Clean(const Noisy& noisy) {
-  return Denoise("noisy.exr", noisy.image, noisy.layers);
+inline Denoised Clean(const Noisy& noisy, Denoiser by = Denoiser::kStatistics) {
+  return Denoise(by, "noisy.exr", noisy.image, noisy.layers);
 }
 
 inline double SquaredError(const Image& image, const Truth& truth) {
