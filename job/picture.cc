@@ -15,6 +15,7 @@
 #include "base/version.h"
 #include "job/backplate.h"
 #include "job/denoise/denoise.h"
+#include "job/denoise/oidn.h"
 
 namespace skywave {
 namespace {
@@ -93,7 +94,14 @@ void Clean(Denoiser by, const std::string& scene, Picture& picture) {
                     kFewestDenoiserSamples));
     return;
   }
-  Denoised clean = Denoise(by, scene, picture.image, picture.layers);
+  Denoised clean;
+  try {
+    clean = Denoise(by, scene, picture.image, picture.layers);
+  } catch (const OidnError& error) {
+    // The rays have been traced, and their picture is worth more than none.
+    picture.notes.push_back(fmt::format("not denoised: {}", error.what()));
+    return;
+  }
   for (NamedChannel& channel : ChannelsOf("noisy", picture.image)) {
     picture.layers.push_back(std::move(channel));
   }

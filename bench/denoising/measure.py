@@ -68,31 +68,8 @@ def compare(args, picture, reference):
     return json.loads(file.read_text())
 
 
-def quality(args):
-    rows = []
-    for scene in args.scenes:
-        stem = args.output / scene.replace(" ", "_")
-        reference = Path(f"{stem}_reference.exr")
-        render(args, scene, args.reference, reference, "--seed", "99", "--aovs", "variance,samples")
-        for samples in args.samples:
-            noisy, clean = Path(f"{stem}_{samples}.exr"), Path(f"{stem}_{samples}_clean.exr")
-            render(args, scene, samples, noisy, "--aovs", "denoiser")
-            run(args.program, "denoise", noisy, "-o", clean, "--quiet")
-            before, after = compare(args, noisy, reference), compare(args, clean, reference)
-            rows.append([scene, str(samples), number(before["relative_mse"]),
-                         number(after["relative_mse"]),
-                         number(before["relative_mse"] / after["relative_mse"]),
-                         number(before["flip"] / after["flip"]),
-                         f"{100 * after['noise']['exceeding']:.1f} %"])
-            strip = [read_exr(picture) for picture in (noisy, clean, reference)]
-            write_png_strip(Path(f"{stem}_{samples}.png"), strip, exposure=SCENES[scene][1])
-            print(*rows[-1], flush=True)
-    return lines_of_table(["scene", "samples", "noisy", "clean", "times less", "FLIP, times less",
-                           "outside of 95 %"], rows, 1)
-
-
-def side_by_side(args):
-    rows = []
+def noisy_pictures(args):
+    """Renders each scene; yields its name, samples, noisy picture and reference."""
     for scene in args.scenes:
         stem = args.output / scene.replace(" ", "_")
         reference = Path(f"{stem}_reference.exr")
@@ -100,14 +77,41 @@ def side_by_side(args):
         for samples in args.samples:
             noisy = Path(f"{stem}_{samples}.exr")
             render(args, scene, samples, noisy, "--aovs", "denoiser")
-            row = [scene, str(samples), number(compare(args, noisy, reference)["relative_mse"])]
-            for by in args.by:
-                clean = Path(f"{stem}_{samples}_{by}.exr")
-                run(args.program, "denoise", noisy, "--by", by, "-o", clean, "--quiet")
-                after = compare(args, clean, reference)
-                row += [number(after["relative_mse"]), f"{100 * after['noise']['exceeding']:.1f} %"]
-            rows.append(row)
-            print(*row, flush=True)
+            yield scene, samples, noisy, reference
+
+
+def outside(comparison):
+    return f"{100 * comparison['noise']['exceeding']:.1f} %"
+
+
+def quality(args):
+    rows = []
+    for scene, samples, noisy, reference in noisy_pictures(args):
+        clean = noisy.with_name(f"{noisy.stem}_clean.exr")
+        run(args.program, "denoise", noisy, "-o", clean, "--quiet")
+        before, after = compare(args, noisy, reference), compare(args, clean, reference)
+        rows.append([scene, str(samples), number(before["relative_mse"]),
+                     number(after["relative_mse"]),
+                     number(before["relative_mse"] / after["relative_mse"]),
+                     number(before["flip"] / after["flip"]), outside(after)])
+        strip = [read_exr(picture) for picture in (noisy, clean, reference)]
+        write_png_strip(noisy.with_suffix(".png"), strip, exposure=SCENES[scene][1])
+        print(*rows[-1], flush=True)
+    return lines_of_table(["scene", "samples", "noisy", "clean", "times less", "FLIP, times less",
+                           "outside of 95 %"], rows, 1)
+
+
+def side_by_side(args):
+    rows = []
+    for scene, samples, noisy, reference in noisy_pictures(args):
+        row = [scene, str(samples), number(compare(args, noisy, reference)["relative_mse"])]
+        for by in args.by:
+            clean = noisy.with_name(f"{noisy.stem}_{by}.exr")
+            run(args.program, "denoise", noisy, "--by", by, "-o", clean, "--quiet")
+            after = compare(args, clean, reference)
+            row += [number(after["relative_mse"]), outside(after)]
+        rows.append(row)
+        print(*row, flush=True)
     columns = [column for by in args.by for column in (by, "outside of 95 %")]
     return lines_of_table(["scene", "samples", "noisy", *columns], rows, 1)
 

@@ -1,10 +1,11 @@
 #include "bench/measure/converge.h"
-#include "wavefront/option_names.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "base/clock.h"
+#include "wavefront/option_names.h"
+#include "wavefront/stages/clamps.h"
 
 namespace skywave {
 namespace {
@@ -84,6 +85,7 @@ std::vector<Contestant> MakeContestants(const RenderJob& job,
       const auto start = Clock::now();
       contestant.method = job.MakeMethod(specification, integrator);
       contestant.table_seconds = SecondsSince(start);
+      contestant.clamped = job.options().of<ClampOptions>().any();
       contestants.push_back(std::move(contestant));
     }
   }
@@ -135,6 +137,7 @@ Reference RenderReference(const RenderJob& job, Integrator integrator,
   const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
   FrameView frame = job.frame(method);
   frame.options.mis = true;
+  frame.options.of<ClampOptions>() = {};
   Image halves[2];
   for (int half = 0; half < 2; ++half) {
     halves[half] = Render(frame, job, samples_per_half, ReferenceSeed(job.options().seed, half),

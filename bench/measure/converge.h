@@ -37,9 +37,10 @@ struct Contestant {
   double table_seconds = 0;  // time to build it from the map
   std::vector<Rung> ladder;  // samples ascending
   Image picture;             // first run of the last rung
+  bool clamped = false;      // its paths are (ClampOptions)
 
   bool unbiased() const {
-    return method.strategy->unbiased() && !Describe(method.integrator).biased;
+    return !clamped && method.strategy->unbiased() && !Describe(method.integrator).biased;
   }
 };
 
@@ -72,7 +73,7 @@ void WarmUp(const RenderJob& job, const Contestant& contestant);
 // more light; else `path`, which is unbiased and finds all light except light from delta lights via
 // delta BSDFs only.
 Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants);
-// Renders both halves with the job's own strategy and multiple importance sampling,
+// Renders both halves with the job's own strategy and multiple importance sampling, without clamps,
 // `samples_per_half` each.
 Reference RenderReference(const RenderJob& job, Integrator integrator,
                           std::uint32_t samples_per_half, Progress* progress);

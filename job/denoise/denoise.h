@@ -1,10 +1,11 @@
 // A clean picture from the layers of a noisy one: by the statistics of its samples, without network
-// and training, by Open Image Denoise, or by the better of both. kernels/cross_filter.h has the
-// filter of the first; here are the planes that all of them work on.
+// and training, by Open Image Denoise, or by a mean of both. kernels/cross_filter.h has the filter
+// of the first; here are the planes that all of them work on.
 //
-// The samples of a pixel come in two halves. Each is cleaned by itself, so that one says how wrong
-// the other one is: this is the error that every picture has, and by which the best of them is
-// chosen.
+// The samples of a pixel come in two halves, which are cleaned one by one: the network sees one
+// half alone, and the filter of statistics takes the weights of one half from the other one. So one
+// half says how wrong the other one is. This is the error that every picture has, and by which
+// means of pictures are weighted.
 //
 // What is filtered is the light that falls on surfaces: the picture divided by the albedo of what
 // the pixel shows, so textures stay as they are. Outliers, single samples that are far too bright,

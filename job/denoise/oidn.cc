@@ -176,6 +176,9 @@ const Library& OpenedLibrary() {
 
 std::string OidnVersion() { return OpenedLibrary().version; }
 
+OidnError::OidnError(const std::string& why)
+    : InputError(InputPosition::File("Open Image Denoise " + OidnVersion()), why) {}
+
 void RequireOidn() {
   if (OpenedLibrary().oidn) return;
   throw OptionError(
@@ -194,7 +197,7 @@ std::vector<float> DenoiseByOidn(const OidnPicture& picture) {
     const char* message = nullptr;
     if (device && oidn.device_error(device.get(), &message) == kNoError) return;
     if (message != nullptr) why = message;
-    throw InputError(InputPosition::File("Open Image Denoise " + OidnVersion()), why);
+    throw OidnError(why);
   };
   check();
   std::vector<float> clean(picture.color.size());

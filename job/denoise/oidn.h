@@ -5,7 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+
 namespace skywave {
+
+// The library is there and has failed, as when it has no memory.
+class OidnError : public InputError {
+ public:
+  explicit OidnError(const std::string& why);
+};
 
 // Looks for the library in the file or folder that the environment variable SKYWAVE_OIDN names,
 // where the system finds libraries, and in the package pyoidn of the Python that this program is
@@ -13,7 +21,7 @@ namespace skywave {
 // version, "2.5.1"; empty: there is none that works.
 std::string OidnVersion();
 
-// Throws InputError with the places that were looked at, and how to get the library, if there is
+// Throws OptionError with the places that were looked at, and how to get the library, if there is
 // none.
 void RequireOidn();
 
@@ -26,8 +34,8 @@ struct OidnPicture {
 };
 
 // Returns the clean picture of a noisy one whose features have no noise, by its network for high
-// dynamic range of the highest quality. The bytes do not depend on threads. Throws InputError if
-// there is no library or if it fails.
+// dynamic range of the highest quality. The bytes do not depend on threads. Throws OptionError if
+// there is no library, and OidnError if it fails.
 std::vector<float> DenoiseByOidn(const OidnPicture& picture);
 
 }  // namespace skywave

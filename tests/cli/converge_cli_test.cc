@@ -285,6 +285,20 @@ TEST_F(Converge, ASavedReferenceGivesTheSameErrors) {
   EXPECT_TRUE(Contains(other.err, "another scene")) << other.err;
 }
 
+// Clamps make a picture too dark, so the truth has none.
+TEST_F(Converge, MeasuresClampsAgainstAReferenceWithoutThem) {
+  const std::string rest = "--strategies importance --budgets 2 --repeats 2 -q --reference-spp 64 ";
+  ASSERT_EQ(Run(kSmall + rest + "--save-reference plain.exr").exit_code, 0);
+  const Result clamped =
+      Run(kSmall + rest + "--clamp-direct 0.2 --save-reference clamped.exr --json j.json");
+  ASSERT_EQ(clamped.exit_code, 0) << clamped.err;
+  EXPECT_EQ(ReadImage(Path("clamped.exr")).rgb, ReadImage(Path("plain.exr")).rgb);
+  const Json json = ReadJson("j.json");
+  EXPECT_EQ(json.at("strategies").at(0).at("unbiased"), false);
+  EXPECT_EQ(json.at("strategies").at(0).at("budgets").at(0).at("biased"), true);
+  EXPECT_TRUE(Contains(json.at("command").get<std::string>(), "--clamp-direct 0.2"));
+}
+
 TEST_F(Converge, WarnsOfAReferenceThatIsTooNoisyOrUnknown) {
   const std::string rest = "--strategies importance --budgets 4 --repeats 2 -q ";
   const Result noisy = Run(kSmall + rest + "--reference-spp 8 --json n.json --report n.html");

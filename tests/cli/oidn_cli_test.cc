@@ -104,14 +104,31 @@ TEST_F(OidnProgram, SaysWhatIsWrongBeforeTheFirstRay) {
   setenv("SKYWAVE_OIDN", SKYWAVE_STAND_IN_OIDN, 1);
   setenv("OIDN_STAND_IN", "lame", 1);
   ExpectRefused(oidn, "the stand-in is lame");
-  setenv("OIDN_STAND_IN", "fails", 1);
-  ExpectRefused(oidn, "the stand-in fails");
   unsetenv("OIDN_STAND_IN");
   // A library that is another one.
   setenv("SKYWAVE_OIDN", "libm.so.6", 1);
   ExpectRefused(oidn, "is no Open Image Denoise");
   ExpectRefused(kRender + std::string("--denoise odin -o clean.exr"), "odin");
   ExpectRefused("denoise noisy.exr --by none -o clean.exr", "statistics|oidn|best|auto");
+}
+
+// The rays have been traced when the network fails.
+TEST_F(OidnProgram, LeavesRendersTheirNoisyPictureWhereItFails) {
+  Make(kRender + std::string("--denoise -o statistics.exr"));
+  Make(kRender + std::string("-o noisy.exr --aovs denoiser"));
+  setenv("OIDN_STAND_IN", "fails", 1);
+  for (const std::string by : {"oidn", "best"}) {
+    const Result failed =
+        Run("render spheres --size 32x24 --spp 16 --denoise " + by + " -o " + by + ".exr");
+    EXPECT_EQ(failed.exit_code, 0) << failed.err;
+    EXPECT_NE(failed.err.find("not denoised: Open Image Denoise 2"), std::string::npos)
+        << failed.err;
+    EXPECT_NE(failed.err.find("the stand-in fails"), std::string::npos) << failed.err;
+    EXPECT_EQ(ReadImage(Path(by + ".exr")).rgb, ReadImage(Path("noisy.exr")).rgb);
+    ExpectRefused("denoise noisy.exr --by " + by + " -o clean.exr", "the stand-in fails");
+    EXPECT_FALSE(std::filesystem::exists(Path("clean.exr")));
+  }
+  unsetenv("OIDN_STAND_IN");
 }
 
 }  // namespace

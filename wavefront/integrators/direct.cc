@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "wavefront/integrator.h"
+#include "wavefront/stages/clamps.h"
 #include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
@@ -26,6 +27,7 @@ std::uint32_t FollowDirect(const FrameView& frame, std::uint32_t n, Worker& w, F
       break;
     }
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    ClampDirect(frame, bounce, w);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
@@ -33,6 +35,8 @@ std::uint32_t FollowDirect(const FrameView& frame, std::uint32_t n, Worker& w, F
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     std::swap(rays, next);
   }
+  ClampDirectOfEnded(frame, bounce, w);
+  ClampIndirect(frame, w);
   return bounce;
 }
 
@@ -52,6 +56,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
 void AddTables(const RenderOptions& options, Worker& worker) {
   AddPlaceTables(options, worker);
   AddLinkTables(options, worker);
+  AddClampTables(options, worker);
 }
 
 }  // namespace
@@ -63,6 +68,8 @@ IntegratorDescriptor DirectIntegrator() {
           .controls = true,
           .has_light_groups = true,
           .has_catchers = true,
+          .options = ClampOptionTable,
+          .check = CheckClamps,
           .add_tables = AddTables,
           .render_wave = RenderDirectWave};
 }

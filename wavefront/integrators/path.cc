@@ -6,11 +6,13 @@
 #include "wavefront/integrators/path.h"
 
 #include <span>
+#include <vector>
 
 #include "wavefront/integrator.h"
 #include "wavefront/paths/camera_paths.h"
 #include "wavefront/policy.h"
 #include "wavefront/render_option.h"
+#include "wavefront/stages/clamps.h"
 #include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
@@ -34,19 +36,26 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
 
 namespace {
 
-std::span<const RenderOption> Options() {
+RenderOption Split() {
   // clang-format off
-  static const RenderOption table[] = {
-      Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "continuations of a path after its first hit", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "paths do not split"},
-                       SKYWAVE_FIELD(bsdf_samples), Unless(0u, Numbers(1u, 1u << 16)))),
-  };
+  return Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "continuations of a path after its first hit", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "paths do not split"},
+                       SKYWAVE_FIELD(bsdf_samples), Unless(0u, Numbers(1u, 1u << 16))));
   // clang-format on
+}
+
+std::span<const RenderOption> Options() {
+  static const std::vector<RenderOption> table = [] {
+    std::vector<RenderOption> rows = {Split()};
+    for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
+    return rows;
+  }();
   return table;
 }
 
 void AddTables(const RenderOptions& options, Worker& worker) {
   AddPlaceTables(options, worker);
   AddLinkTables(options, worker);
+  AddClampTables(options, worker);
   if (options.bsdf_samples == 0) return;
   AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
 }
@@ -65,6 +74,7 @@ IntegratorDescriptor PathIntegrator() {
           .has_light_groups = true,
           .has_catchers = true,
           .options = Options,
+          .check = CheckClamps,
           .add_tables = AddTables,
           .render_wave = RenderWholeOrSplitPaths};
 }

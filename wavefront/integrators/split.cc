@@ -7,6 +7,7 @@
 
 #include "wavefront/integrators/path.h"
 #include "wavefront/paths/camera_paths.h"
+#include "wavefront/stages/clamps.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -95,15 +96,18 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
       break;
     }
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    ClampDirect(frame, bounce, w);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);
     n = ScatterSurfaces(frame, kCameraEnd, kFirstDeltaBsdf, bounce, *next, w, clock);
     std::swap(rays, next);
   }
+  ClampDirectOfEnded(frame, bounce, w);
   KeepDirectOfEnded(range.count, bounce, w, film);
   const PathColumns& indirect = c.wave.paths;
   AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.bsdf_samples, w.paths);
+  ClampIndirect(frame, w);
   w.stats += std::exchange(c.wave.stats, {});
   FinishPaths(frame, range.count, w, film, clock);
 }

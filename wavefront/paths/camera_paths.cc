@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "wavefront/stages/clamps.h"
+
 namespace skywave {
 
 std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
@@ -23,6 +25,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     }
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
     if (own.met != nullptr) RememberSurfaces(w);
+    ClampDirect(frame, bounce, w);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
@@ -30,6 +33,8 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     n = ScatterSurfaces(frame, kCameraEnd, first_kind, bounce, *next, w, clock);
     std::swap(rays, next);
   }
+  ClampDirectOfEnded(frame, bounce, w);
+  ClampIndirect(frame, w);
   return bounce;
 }
 

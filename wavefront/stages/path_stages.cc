@@ -15,10 +15,6 @@
 namespace skywave {
 namespace {
 
-// Light samples of this bounce are the first whose light meets two surfaces on its way to the
-// camera.
-constexpr std::uint32_t kFirstIndirectBounce = 1;
-
 // Returns the kind of the rays that arrive at a bounce.
 RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
 

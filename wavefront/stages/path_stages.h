@@ -111,6 +111,10 @@ std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::u
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock);
 
+// Light samples of this bounce are the first whose light meets two surfaces on its way to the
+// camera.
+inline constexpr std::uint32_t kFirstIndirectBounce = 1;
+
 // Gives the film what it keeps of a bounce besides radiance, if it keeps anything.
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock);
