@@ -1,9 +1,11 @@
 #include "base/files.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <array>
 #include <atomic>
@@ -60,13 +62,27 @@ void SyncToDisk(const std::string& path) {
 }
 
 constexpr std::string_view kTemporaryEnding = ".part";
+// File systems take names of 255 bytes. This leaves room for the number of a process and the
+// ending.
+constexpr std::size_t kLongestStem = 230, kHashDigits = 16;
 
-std::string TemporaryName(const std::string& path) {
-  return path + "." + std::to_string(::getpid()) + std::string(kTemporaryEnding);
+// Returns what temporary names of the file `name` begin with: the name, or if it is too long for
+// that its start and a hash of it.
+std::string TemporaryStem(const std::string& name) {
+  if (name.size() <= kLongestStem) return name;
+  return fmt::format("{}{:0{}x}", name.substr(0, kLongestStem - kHashDigits),
+                     XXH3_64bits(name.data(), name.size()), kHashDigits);
 }
 
-// Returns the name of the file that `name` is a temporary name of, or nothing.
-std::string_view TargetOfTemporary(std::string_view name) {
+std::string TemporaryName(const std::string& target) {
+  const std::filesystem::path path = target;
+  const std::string name =
+      fmt::format("{}.{}{}", TemporaryStem(path.filename().string()), ::getpid(), kTemporaryEnding);
+  return path.has_parent_path() ? (path.parent_path() / name).string() : name;
+}
+
+// Returns the stem of a temporary name, or nothing if `name` is none.
+std::string_view StemOfTemporary(std::string_view name) {
   if (!name.ends_with(kTemporaryEnding)) return {};
   name.remove_suffix(kTemporaryEnding.size());
   const std::size_t dot = name.rfind('.');
@@ -289,19 +305,20 @@ void SyncFolderOf(const std::string& path) {
 }
 
 std::size_t RemoveLeftovers(std::span<const std::string> targets) {
-  std::map<std::filesystem::path, std::set<std::string, std::less<>>> names;  // by folder
+  std::map<std::filesystem::path, std::set<std::string, std::less<>>> stems;  // by folder
   for (const std::string& target : targets) {
     const std::filesystem::path path = Target(target);
-    names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string());
+    stems[path.has_parent_path() ? path.parent_path() : "."].insert(
+        TemporaryStem(path.filename().string()));
   }
   std::size_t removed = 0;
-  for (const auto& [folder, files] : names) {
+  for (const auto& [folder, of_folder] : stems) {
     // A folder that cannot be read to its end keeps what was not seen.
     std::error_code unread, ignored;
     for (std::filesystem::directory_iterator entry(folder, unread), end; !unread && entry != end;
          entry.increment(unread)) {
       const std::filesystem::path& path = entry->path();
-      if (!files.contains(TargetOfTemporary(path.filename().string()))) continue;
+      if (!of_folder.contains(StemOfTemporary(path.filename().string()))) continue;
       const FileLock lock(path.string(), O_RDWR | O_CLOEXEC, LOCK_NB);
       if (lock.is_named() && std::filesystem::remove(path, ignored)) ++removed;
     }

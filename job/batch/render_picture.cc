@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -72,14 +73,17 @@ std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
 // One film, however large, may always be written while the next picture is rendered.
 constexpr std::uint64_t kMostWritingBytes = std::uint64_t{1} << 28;
 
-std::uint64_t HalfOfMemory() { return GrantedHere().memory_bytes / 2; }
+// A batch leaves most of the memory to others: pictures that follow each other have most in common.
+std::uint64_t DefaultCacheBytes() {
+  return std::min<std::uint64_t>(GrantedHere().memory_bytes / 10, std::uint64_t{2} << 30);
+}
 
 }  // namespace
 
 PictureRenderer::PictureRenderer(const BatchPlan& plan, const PictureSettings& settings)
     : plan_(plan),
       settings_(settings),
-      cache_(settings.cache_bytes > 0 ? settings.cache_bytes : HalfOfMemory()) {}
+      cache_(settings.cache_bytes > 0 ? settings.cache_bytes : DefaultCacheBytes()) {}
 
 PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();

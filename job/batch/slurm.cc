@@ -113,6 +113,7 @@ std::string RenderParts(const SlurmPlan& plan, const std::vector<Part>& parts) {
                      fmt::format(R"sh(
 part() {{  # FILM FIRST:END OPTIONS...
   [[ -e $1 ]] && return
+  mkdir -p "${{1%/*}}"
   run "$program" render "${{@:3}}" --sample-range "$2" --film "$1" --checkpoint {} --resume
 }}
 for ((i = SLURM_ARRAY_TASK_ID; i <= {}; i += {})); do

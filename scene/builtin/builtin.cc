@@ -189,6 +189,11 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "materials") return MaterialsScene();
   if (name == "plant") return PlantScene();
   if (name == "meadow") return MeadowScene();
+  if (name == "-") {
+    throw InputError(InputPosition::File("-"),
+                     "scenes are not read from standard input: the files that they name lie beside "
+                     "theirs");
+  }
   std::string known;
   for (const BuiltinSceneInfo& info : kScenes) {
     known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);

@@ -178,5 +178,27 @@ TEST(Leftovers, OfOtherTargetsAndOtherNamesStay) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.Path(".")), {}), 4);
 }
 
+// A file may have any name that the file system takes.
+TEST(LongNames, AreWrittenAndCleanedUpAsOthers) {
+  const TemporaryFolder folder;
+  const std::string stem(250, 'a');
+  const std::string targets[] = {folder.Path(stem + "b.exr"), folder.Path(stem + "c.exr")};
+  for (const std::string& target : targets) {
+    CheckWritable(target);
+    WriteFileAtomically(target, "of " + target);
+  }
+  for (const std::string& target : targets) EXPECT_EQ(ReadFile(target), "of " + target);
+  // The leftover of one of them is not that of the other one.
+  StuckWriter writer(targets[0]);
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder.Path(".")), {});
+  };
+  writer.End(SIGKILL);
+  ASSERT_EQ(files(), 3);
+  EXPECT_EQ(RemoveLeftovers({&targets[1], 1}), 0u);
+  EXPECT_EQ(RemoveLeftovers({&targets[0], 1}), 1u);
+  EXPECT_EQ(files(), 2);
+}
+
 }  // namespace
 }  // namespace skywave

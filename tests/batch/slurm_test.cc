@@ -30,7 +30,7 @@ SlurmPlan PlanOf(const std::string& folder, std::uint32_t shards) {
 class Scripts : public testing::Test {
  protected:
   void Write(const SlurmPlan& plan) {
-    std::filesystem::create_directories(plan.folder + "/parts");
+    std::filesystem::create_directories(plan.folder);
     for (const SlurmScript& script : SlurmScripts(plan)) {
       texts_[script.name] = script.text;
       WriteFileAtomically(plan.folder + "/" + script.name, script.text);
