@@ -237,6 +237,14 @@ void Renderer::CopyLayer(const std::string& name, std::span<float> values) const
   }
 }
 
+std::vector<std::string> Renderer::ObjectNames() const {
+  return state_->job->names()[std::size_t(MatteOf::kObjects)].names;
+}
+
+std::vector<std::string> Renderer::MaterialNames() const {
+  return state_->job->names()[std::size_t(MatteOf::kMaterials)].names;
+}
+
 std::string Renderer::Statistics() const {
   return Translated([&] {
     state_->finished();

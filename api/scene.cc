@@ -8,6 +8,8 @@
 #include "api/errors.h"
 #include "api/state.h"
 #include "base/clock.h"
+#include "base/error.h"
+#include "job/camera_file.h"
 #include "job/options.h"
 #include "scene/geometry_checks.h"
 #include "scene/instances.h"
@@ -311,6 +313,22 @@ void Scene::SetCamera(const Vector& eye, const Vector& target, const Vector& up,
   state_->camera =
       LookAtCamera(Vec3(eye), Vec3(target), unit_up, fov_degrees, state_->scene().left_handed);
   state_->changed = true;
+}
+
+void Scene::SetCamera(const std::array<double, 9>& k,
+                      const std::array<double, 16>& world_from_camera, int width, int height) try {
+  glm::dmat4 pose;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      pose[column][row] = world_from_camera[std::size_t(4 * row + column)];
+    }
+  }
+  Require(pose[0][3] == 0 && pose[1][3] == 0 && pose[2][3] == 0 && pose[3][3] == 1,
+          "world_from_camera", "has another last row than 0, 0, 0, 1");
+  state_->camera = CameraOfMatrix(k, pose, width, height);
+  state_->changed = true;
+} catch (const InputError& error) {
+  Require(false, "camera", error.reason());
 }
 
 void Scene::SetUp(char axis) {

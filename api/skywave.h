@@ -213,6 +213,12 @@ class SKYWAVE_API Scene {
   // Sets a camera that looks from `eye` to `target`; `fov_degrees` is the field of view along the
   // shorter side of the picture.
   void SetCamera(const Vector& eye, const Vector& target, const Vector& up, float fov_degrees);
+  // Sets a camera with the matrix `k` of OpenCV, row by row [pixels], whose pixels have their
+  // centres at whole numbers, and a pose whose columns are the camera's x (right), y (down), z
+  // (forward) and its place, rows one after the other. Its pictures have `width` x `height` pixels:
+  // the option "size" has to have that shape.
+  void SetCamera(const std::array<double, 9>& k, const std::array<double, 16>& world_from_camera,
+                 int width, int height);
   // Sets the axis that is up ('x', 'y' or 'z') for the map and for a camera that is placed
   // automatically.
   void SetUp(char axis);
@@ -268,6 +274,10 @@ class SKYWAVE_API Renderer {
   void CopyPicture(std::span<float> rgb) const;
   // Writes the layer with that name, with as many floats per pixel as it has channels.
   void CopyLayer(const std::string& name, std::span<float> values) const;
+  // Returns the names of meshes, or of materials, by their numbers from 0 on: those of the layers
+  // "object-id" and "material-id" count from 1. One without a name is "mesh N" or "material N".
+  std::vector<std::string> ObjectNames() const;
+  std::vector<std::string> MaterialNames() const;
   // Returns times, rays and stages as `skywave render --stats` writes them, in JSON.
   std::string Statistics() const;
   // Returns the same as lines for people.

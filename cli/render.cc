@@ -89,11 +89,12 @@ std::vector<std::string> Outputs(const RenderFlags& flags) {
 
 void CheckOutputs(const RenderFlags& flags) {
   if (!flags.output.empty() && std::filesystem::path(flags.output).extension() != ".exr") {
-    throw InputError(InputPosition::File("--output " + flags.output),
-                     flags.picture.job.options.aovs == 0
-                         ? "the picture is an EXR file with a PNG beside it, so its name has to end in .exr"
-                         : "the layers of --aovs need an EXR file, whose name ends in .exr",
-                     kExitUsage);
+    throw InputError(
+        InputPosition::File("--output " + flags.output),
+        flags.picture.job.options.aovs == 0
+            ? "the picture is an EXR file with a PNG beside it, so its name has to end in .exr"
+            : "the layers of --aovs need an EXR file, whose name ends in .exr",
+        kExitUsage);
   }
   const auto given = [&](std::string_view name) {
     return std::any_of(flags.options.begin(), flags.options.end(),

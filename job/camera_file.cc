@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -92,6 +91,22 @@ Pose PoseOfCv(const glm::dmat3& world_to_camera_rows, const glm::dvec3& translat
           .eye = -(translation.x * r[0] + translation.y * r[1] + translation.z * r[2])};
 }
 
+// Returns the pinhole of a matrix K of OpenCV, whose pixels have their centres at whole numbers.
+template <class Matrix>
+Pinhole PinholeOfMatrix(const InputPosition& position, const Matrix& k, double width,
+                        double height) {
+  constexpr double kCenterOfPixel = 0.5;
+  if (k[1][0] != 0 || k[2][0] != 0 || k[2][1] != 0 || k[2][2] != 1) {
+    throw InputError(position, "K is no matrix of a camera, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]");
+  }
+  return {.focal_x = k[0][0],
+          .focal_y = k[1][1],
+          .center_x = k[0][2] + kCenterOfPixel,
+          .center_y = k[1][2] + kCenterOfPixel,
+          .width = width,
+          .height = height};
+}
+
 // ---- JSON ----
 
 double Number(const Json& json, const char* name, double other) {
@@ -159,16 +174,11 @@ Entry EntryOfFrame(const std::string& path, const Json& file, const Json& frame,
           .distortion = DistortionOf(all)};
 }
 
-// K, R and t of OpenCV, whose pixels have their centres at whole numbers.
+// K, R and t of OpenCV.
 Entry EntryOfMatrices(const std::string& path, const Json& json, int width, int height) {
   const auto k = Matrix<3, 3>(json, "K"), r = Matrix<3, 3>(json, "R");
   const Json& t = json.at("t");
   const glm::dvec3 translation(t.at(0).get<double>(), t.at(1).get<double>(), t.at(2).get<double>());
-  if (k[1][0] != 0 || k[2][0] != 0 || k[2][1] != 0 || k[2][2] != 1) {
-    throw InputError(InputPosition::File(path),
-                     "K is no matrix of a camera, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]");
-  }
-  constexpr double kCenterOfPixel = 0.5;
   std::string distortion = DistortionOf(json);
   if (k[0][1] != 0) {
     distortion += fmt::format("{}skew = {}", distortion.empty() ? "" : ", ", k[0][1]);
@@ -178,12 +188,8 @@ Entry EntryOfMatrices(const std::string& path, const Json& json, int width, int 
                         glm::dvec3(r[2][0], r[2][1], r[2][2]));
   return {.name = json.value("name", ""),
           .position = InputPosition::File(path),
-          .pinhole = {.focal_x = k[0][0],
-                      .focal_y = k[1][1],
-                      .center_x = k[0][2] + kCenterOfPixel,
-                      .center_y = k[1][2] + kCenterOfPixel,
-                      .width = Number(json, "width", width),
-                      .height = Number(json, "height", height)},
+          .pinhole = PinholeOfMatrix(InputPosition::File(path), k, Number(json, "width", width),
+                                     Number(json, "height", height)),
           .pose = PoseOfCv(rows, translation),
           .distortion = distortion};
 }
@@ -343,6 +349,35 @@ CameraOfFile ReadCameraOfFile(const std::string& path, const std::string& name, 
   }
   Camera camera = CameraOf(*chosen);
   return {chosen->name, camera, int(chosen->pinhole.width), int(chosen->pinhole.height)};
+}
+
+std::vector<std::string> PhotographsOfFile(const std::string& path) {
+  const RenderOptions defaults;
+  std::vector<std::string> names;
+  for (const Entry& entry : EntriesOf(path, defaults.width, defaults.height)) {
+    if (!entry.name.empty()) names.push_back(entry.name);
+  }
+  return names;
+}
+
+std::string LabelOfPhotograph(const std::string& name) {
+  return std::filesystem::path(name).stem().string();
+}
+
+Camera CameraOfMatrix(const std::array<double, 9>& k, const glm::dmat4& world_from_camera,
+                      int width, int height) {
+  const InputPosition position = InputPosition::File("camera");
+  const double rows[3][3] = {{k[0], k[1], k[2]}, {k[3], k[4], k[5]}, {k[6], k[7], k[8]}};
+  if (k[1] != 0) throw InputError(position, "K has skew, which is not rendered");
+  const glm::dmat4& m = world_from_camera;
+  return CameraOf({.name = "",
+                   .position = position,
+                   .pinhole = PinholeOfMatrix(position, rows, width, height),
+                   .pose = {.right = glm::dvec3(m[0]),
+                            .up = -glm::dvec3(m[1]),
+                            .forward = glm::dvec3(m[2]),
+                            .eye = glm::dvec3(m[3])},
+                   .distortion = ""});
 }
 
 void TakeCameraOfFile(JobRequest& request, std::vector<std::string>& warnings) {

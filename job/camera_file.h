@@ -2,6 +2,8 @@
 // data, the text files of COLMAP, and the matrices of OpenCV.
 #pragma once
 
+#include <array>
+#include <glm/glm.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,17 @@ struct CameraOfFile {
 // as the distortion of a lens. Throws InputError with the place in the file.
 CameraOfFile ReadCameraOfFile(const std::string& path, const std::string& name, int width,
                               int height, Warnings& warnings);
+
+// Returns the names of the photographs of a file, in its order, none for a camera without a name.
+// Throws InputError.
+std::vector<std::string> PhotographsOfFile(const std::string& path);
+// Returns what stands for a photograph in names of outputs: "r_0" for "./train/r_0.png".
+std::string LabelOfPhotograph(const std::string& name);
+
+// Returns a camera with the matrix K of OpenCV, row by row, whose pixels have their centres at
+// whole numbers and whose axes are x right, y down, z forward. Throws InputError.
+Camera CameraOfMatrix(const std::array<double, 9>& k, const glm::dmat4& world_from_camera,
+                      int width, int height);
 
 // Puts the camera that the option `camera-from` names into the request, and the size of its
 // photographs where the request has none. Appends warnings.

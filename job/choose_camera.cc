@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,27 @@ Camera Orbited(Camera camera, const glm::vec3& middle, float degrees, const Scen
   return camera;
 }
 
+// Returns what is up in the picture of a camera that looks along `view`.
+glm::vec3 UpOf(const Scene& scene, const CameraRequest& request, const glm::vec3& view) {
+  const glm::mat3 axes = EnvironmentFrame(scene.up_axis, scene.left_handed, 0);
+  const auto is_across = [&](const glm::vec3& up) {
+    return glm::length(glm::cross(view, up)) > 1e-5f * glm::length(view) * glm::length(up);
+  };
+  if (!(glm::length(view) > 0)) {
+    throw OptionError({{"eye", ""}, {"target", ""}}, "the camera has to look somewhere");
+  }
+  if (!request.up) return is_across(axes[2]) ? axes[2] : axes[1];
+  if (is_across(*request.up)) return *request.up;
+  throw OptionError({{"up", ""}}, "is the direction in which the camera looks, or no direction");
+}
+
+// Returns the camera turned about its view, clockwise as it looks.
+glm::mat4 Rolled(const glm::mat4& camera, float degrees) {
+  if (degrees == 0) return camera;
+  const float angle = glm::radians(degrees), c = std::cos(angle), s = std::sin(angle);
+  return {c * camera[0] - s * camera[1], s * camera[0] + c * camera[1], camera[2], camera[3]};
+}
+
 }  // namespace
 
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
@@ -47,17 +69,14 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
       of_scene ? *of_scene : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
   if (request.fov_degrees) camera.fov_degrees = *request.fov_degrees;
-  if (request.eye || request.target) {
+  if (request.eye || request.target || request.up) {
     const glm::vec3 eye = request.eye.value_or(glm::vec3(camera.world_from_camera[3]));
-    const glm::vec3 target = request.target.value_or(middle);
-    const glm::vec3 up = EnvironmentFrame(scene.up_axis, scene.left_handed, 0)[2];
-    const glm::vec3 view = target - eye;
-    if (!(glm::length(glm::cross(view, up)) > 1e-5f * glm::length(view))) {
-      throw OptionError({{"eye", ""}, {"target", ""}},
-                        "the camera has to look somewhere, and not straight up or down");
-    }
-    camera.world_from_camera =
-        LookAtCamera(eye, target, up, camera.fov_degrees, scene.left_handed).world_from_camera;
+    const glm::vec3 ahead = eye + glm::vec3(camera.world_from_camera[2]);
+    const glm::vec3 target =
+        request.target.value_or(request.eye || request.target ? middle : ahead);
+    camera.world_from_camera = LookAtCamera(eye, target, UpOf(scene, request, target - eye),
+                                            camera.fov_degrees, scene.left_handed)
+                                   .world_from_camera;
   }
   if (request.kind) {
     camera = WithKind(camera, *request.kind, bounds, scene.up_axis, scene.left_handed);
@@ -78,6 +97,7 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
     if (distance > 0) camera.focal_distance = distance;
   }
   if (request.focal_distance) camera.focal_distance = *request.focal_distance / depth;
+  camera.world_from_camera = Rolled(camera.world_from_camera, request.roll_degrees.value_or(0));
   return Orbited(camera, request.target.value_or(middle), request.orbit_degrees.value_or(0), scene);
 }
 

@@ -278,9 +278,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
     light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view(),
                                     SkyOf(request_.sky_patches, *prepared.scene));
   }
-  if (Sums(options().aovs, AovSum::kMatte)) {
-    mattes_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
-  }
+  names_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());
@@ -442,7 +440,7 @@ FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
           .light_groups = light_groups_.names,
           .has_signs = options().of<ControlOptions>().control != ControlVariate::kNone ||
                        HasSigns(options().filter),
-          .mattes = mattes_};
+          .mattes = Sums(options().aovs | layers, AovSum::kMatte) ? names_ : nullptr};
 }
 
 Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <vector>
 
 namespace skywave {
 
@@ -15,10 +16,14 @@ std::pair<std::shared_future<JobCache::Value>, bool> JobCache::Find(const std::s
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[key];
   entry.last_use = ++uses_;
-  if (entry.value.valid()) return {entry.value, false};
+  if (entry.value.valid()) {
+    entry.asked_again = true;
+    return {entry.value, false};
+  }
   if (Value held = entry.held.lock()) {
     promise.set_value(std::move(held));
     entry.value = promise.get_future().share();
+    entry.asked_again = true;
     bytes_ += entry.bytes;
     std::shared_future<Value> value = entry.value;
     DropOldest();
@@ -49,20 +54,31 @@ void JobCache::Fill(const std::string& key, std::promise<Value>& promise,
   }
 }
 
+template <class Is>
+void JobCache::DropOldest(std::uint64_t most_bytes, const Is& is) {
+  std::vector<Entry*> kept;
+  std::uint64_t bytes = 0;
+  for (auto& [key, entry] : entries_) {
+    if (!entry.made || !entry.value.valid() || !is(entry)) continue;
+    kept.push_back(&entry);
+    bytes += entry.bytes;
+  }
+  if (bytes <= most_bytes) return;
+  std::sort(kept.begin(), kept.end(),
+            [](const Entry* a, const Entry* b) { return a->last_use < b->last_use; });
+  for (Entry* entry : kept) {
+    if (bytes <= most_bytes) return;
+    bytes -= entry->bytes, bytes_ -= entry->bytes;
+    entry->value = {};
+  }
+}
+
 void JobCache::DropOldest() {
   std::erase_if(entries_, [](const auto& entry) {
     return !entry.second.value.valid() && entry.second.held.expired();
   });
-  while (bytes_ > most_bytes_) {
-    Entry* oldest = nullptr;
-    for (auto& [key, entry] : entries_) {
-      if (!entry.made || !entry.value.valid()) continue;
-      if (oldest == nullptr || entry.last_use < oldest->last_use) oldest = &entry;
-    }
-    if (oldest == nullptr) return;
-    bytes_ -= oldest->bytes;
-    oldest->value = {};
-  }
+  DropOldest(most_bytes_of_once_, [](const Entry& entry) { return !entry.asked_again; });
+  DropOldest(most_bytes_, [](const Entry&) { return true; });
 }
 
 void JobCache::Forget(const std::string& prefix) {

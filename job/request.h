@@ -44,12 +44,14 @@ struct CameraRequest {
   std::optional<Camera> placed;  // in place of the scene's first one; of the file, if there is one
   std::optional<CameraKind> kind;
   std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
+  std::optional<glm::vec3> up;           // unset: the axis that is up in the scene
   std::optional<float> fov_degrees;
   std::optional<float> lens_radius;     // world space
   std::optional<float> focal_distance;  // world space; unset: the middle of the scene is sharp
   // A turn of the whole camera about the up axis, through the target or the middle of the scene;
   // counter-clockwise, seen from above.
   std::optional<float> orbit_degrees;
+  std::optional<float> roll_degrees;  // a turn about the view, clockwise as the camera looks
 };
 
 // What is behind the scene where the camera sees past it.

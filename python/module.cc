@@ -229,6 +229,11 @@ void AddScene(py::module_& module) {
               const api::Vector& up, float fov_degrees) {
              scene.Use([&](api::Scene& s) { s.SetCamera(eye, target, up, fov_degrees); });
            })
+      .def("set_camera_matrix",
+           [](Scene& scene, const std::array<double, 9>& k,
+              const std::array<double, 16>& world_from_camera, int width, int height) {
+             scene.Use([&](api::Scene& s) { s.SetCamera(k, world_from_camera, width, height); });
+           })
       .def("set_up",
            [](Scene& scene, char axis) { scene.Use([&](api::Scene& s) { s.SetUp(axis); }); });
 }
@@ -290,6 +295,14 @@ void AddRenderer(py::module_& module) {
              const std::span<float> span(values.mutable_data(), std::size_t(values.size()));
              renderer.Use([&](api::Renderer& r) { r.CopyLayer(name, span); });
              return values;
+           })
+      .def("object_names",
+           [](Renderer& renderer) {
+             return TextList(renderer.Use([](api::Renderer& r) { return r.ObjectNames(); }));
+           })
+      .def("material_names",
+           [](Renderer& renderer) {
+             return TextList(renderer.Use([](api::Renderer& r) { return r.MaterialNames(); }));
            })
       .def("statistics",
            [](Renderer& renderer) {

@@ -10,7 +10,9 @@
 #include <memory>
 
 #include "base/error.h"
+#include "job/batch/draws.h"
 #include "job/batch/number_list.h"
+#include "job/camera_file.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
 #include "scene/builtin/builtin.h"
@@ -242,6 +244,7 @@ Axis AxisReader::ReadAxis(const JobEntry& entry, const std::vector<PictureOption
   }
   if (axis.choices.empty()) Refuse(entry.line, fmt::format("'{}' has no value", entry.name));
   ExpandCameras(base, axis);
+  ExpandPhotographs(base, axis);
   return axis;
 }
 
@@ -263,25 +266,102 @@ AxisGroup AxisReader::ReadZip(const JobValue& zip, const std::vector<PictureOpti
   return group;
 }
 
-// Puts the names of all cameras of the scene of `base` in place of "*".
+// Puts the names of all cameras in place of "*": those of the photographs of `base`, or those of
+// its scene.
 void AxisReader::ExpandCameras(const std::vector<PictureOption>& base, Axis& axis) const {
   const auto is_all = [](const AxisChoice& choice) { return choice.label == "*"; };
   const auto all = std::find_if(axis.choices.begin(), axis.choices.end(), is_all);
   if (axis.name != "scene-camera" || all == axis.choices.end()) return;
   const JobRequest job = RequestOf(path_, base).job;
-  if (job.scene.empty()) {
+  const std::string& file = job.camera.from.empty() ? job.scene : job.camera.from;
+  if (file.empty()) {
     Refuse(axis.line, "all cameras: [base] has no scene, whose cameras these would be");
   }
   const std::size_t line = all->options.front().line;
   std::vector<AxisChoice> cameras;
-  for (const NamedCamera& camera : ReadScene(job.scene, job.read).cameras) {
-    cameras.push_back({camera.name, {{axis.name, camera.name, line}}});
+  if (job.camera.from.empty()) {
+    for (const NamedCamera& camera : ReadScene(job.scene, job.read).cameras) {
+      cameras.push_back({camera.name, {{axis.name, camera.name, line}}});
+    }
+  } else {
+    for (const std::string& name : PhotographsOfFile(job.camera.from)) {
+      cameras.push_back({LabelOfPhotograph(name), {{axis.name, name, line}}});
+    }
   }
-  if (cameras.empty()) Refuse(line, fmt::format("{} has no camera with a name", job.scene));
+  if (cameras.empty()) Refuse(line, fmt::format("{} has no camera with a name", file));
   axis.choices.insert(axis.choices.erase(all), cameras.begin(), cameras.end());
 }
 
+// Puts all photographs of each file of an axis of cameras in place of the file, unless the base
+// says which one is meant.
+void AxisReader::ExpandPhotographs(const std::vector<PictureOption>& base, Axis& axis) const {
+  if (axis.name != "camera-from") return;
+  for (const PictureOption& option : base) {
+    if (option.name == "scene-camera") return;
+  }
+  std::vector<AxisChoice> choices;
+  for (const AxisChoice& file : axis.choices) {
+    const PictureOption& from = file.options.front();
+    const std::vector<std::string> names = PhotographsOfFile(from.text);
+    if (names.empty()) choices.push_back(file);
+    for (const std::string& name : names) {
+      choices.push_back({LabelOfPhotograph(name), {from, {"scene-camera", name, from.line}}});
+    }
+  }
+  axis.choices = std::move(choices);
+}
+
+// Returns a whole number of [random]; 0 if it is not there.
+std::uint64_t AxisReader::NumberCalled(const JobValue& table, std::string_view name,
+                                       double most) const {
+  const JobEntry* const entry = Find(table, name);
+  if (entry == nullptr) return 0;
+  const JobValue& value = entry->value;
+  if (value.kind != JobValue::Kind::kWhole || value.number < 0 || value.number > most) {
+    Refuse(entry->line, fmt::format("{} is a whole number of at most {:.0f}", name, most));
+  }
+  return std::uint64_t(value.number);
+}
+
+// Reads [random]: axes that go in step, whose values are drawn.
+AxisGroup AxisReader::ReadRandom(const JobEntry& random) const {
+  const JobValue& table = random.value;
+  if (table.kind != JobValue::Kind::kTable) Refuse(random.line, "[random] is a table");
+  CheckNames(path_, table, {"pictures", "seed", "draw"}, "key of [random]");
+  const std::uint64_t pictures = NumberCalled(table, "pictures", double(kMostPictures));
+  const std::uint64_t seed = NumberCalled(table, "seed", 0x1p53);
+  const JobEntry* const draw = Find(table, "draw");
+  if (pictures == 0) Refuse(random.line, "[random] says of how many pictures, as pictures = 100");
+  if (draw == nullptr || draw->value.kind != JobValue::Kind::kTable) {
+    Refuse(random.line, "[random.draw] says what is drawn, as env-rotate = { from = 0, to = 360 }");
+  }
+  AxisGroup group = {.axes = {{.name = random.name, .line = random.line, .choices = {}}},
+                     .line = random.line,
+                     .drawn = true};
+  for (std::uint64_t i = 0; i < pictures; ++i) {
+    group.axes.front().choices.push_back({fmt::format("{}", i), {}});
+  }
+  for (const JobEntry& entry : draw->value.table) {
+    if (!IsOption(entry.name)) Refuse(entry.line, Problem(entry.name, ""));
+    const Distribution distribution =
+        ReadDistribution(path_, entry, [&](const JobValue& text) -> std::vector<std::string> {
+          if (!NamesFile(entry.name)) return {text.text};
+          return FilesLike({entry.name, text.text, text.line});
+        });
+    Axis axis = {.name = entry.name, .line = entry.line, .choices = {}};
+    for (std::uint64_t i = 0; i < pictures; ++i) {
+      DrawNumbers numbers(seed, i, entry.name);
+      const PictureOption option = {entry.name, distribution(numbers), entry.line};
+      CheckOption(option);
+      axis.choices.push_back({LabelOf(option.name, option.text), {option}});
+    }
+    group.axes.push_back(std::move(axis));
+  }
+  return group;
+}
+
 std::vector<AxisGroup> AxisReader::ReadGroups(const JobEntry* axes, const JobEntry* zip,
+                                              const JobEntry* random,
                                               const std::vector<PictureOption>& base) const {
   std::vector<AxisGroup> groups;
   if (axes != nullptr) {
@@ -299,6 +379,7 @@ std::vector<AxisGroup> AxisReader::ReadGroups(const JobEntry* axes, const JobEnt
       groups.push_back(ReadZip(table, base));
     }
   }
+  if (random != nullptr) groups.push_back(ReadRandom(*random));
   std::stable_sort(groups.begin(), groups.end(),
                    [](const AxisGroup& a, const AxisGroup& b) { return a.line < b.line; });
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,7 @@ struct Axis {
 struct AxisGroup {
   std::vector<Axis> axes;
   std::size_t line = 0;
+  bool drawn = false;  // by [random]: the first axis is the number of the draw
 };
 
 // Reads options and axes of the job file `path`. Names of files in it are relative to its folder.
@@ -40,10 +42,11 @@ class AxisReader {
 
   // Returns the options of [base].
   std::vector<PictureOption> ReadBase(const JobValue& base) const;
-  // Returns the groups of [axes] and [[zip]] in the order of the file. Either may be null. Throws
-  // InputError with the line for invalid values, and where an option is given twice, by two axes or
-  // by an axis and the base.
+  // Returns the groups of [axes], [[zip]] and [random] in the order of the file. Each may be null.
+  // Throws InputError with the line for invalid values, and where an option is given twice, by two
+  // axes or by an axis and the base.
   std::vector<AxisGroup> ReadGroups(const JobEntry* axes, const JobEntry* zip,
+                                    const JobEntry* random,
                                     const std::vector<PictureOption>& base) const;
 
  private:
@@ -59,6 +62,9 @@ class AxisReader {
   void AppendTable(const JobValue& table, Axis& axis) const;
   void AppendChoices(const JobValue& value, Axis& axis) const;
   void ExpandCameras(const std::vector<PictureOption>& base, Axis& axis) const;
+  void ExpandPhotographs(const std::vector<PictureOption>& base, Axis& axis) const;
+  std::uint64_t NumberCalled(const JobValue& table, std::string_view name, double most) const;
+  AxisGroup ReadRandom(const JobEntry& random) const;
   Axis ReadAxis(const JobEntry& entry, const std::vector<PictureOption>& base) const;
   AxisGroup ReadZip(const JobValue& zip, const std::vector<PictureOption>& base) const;
 

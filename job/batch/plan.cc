@@ -111,6 +111,7 @@ std::vector<BatchDimension> DimensionsOf(const std::vector<AxisGroup>& groups) {
       for (std::size_t i = 0; i < axis.choices.size(); ++i) {
         dimension.labels[i] += separator + axis.choices[i].label;
       }
+      if (group.drawn) break;
     }
     dimensions.push_back(std::move(dimension));
   }
@@ -272,7 +273,8 @@ BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
                          const std::string& output_folder) {
   BatchPlan plan = {.path = path, .bytes = std::move(bytes)};
   const JobValue file = ParseJobFile(path, plan.bytes);
-  CheckNames(path, file, {"base", "axes", "zip", "output", "batch"}, "table of a job file");
+  CheckNames(path, file, {"base", "axes", "zip", "random", "output", "batch"},
+             "table of a job file");
   const OutputPattern pattern = ReadOutput(path, file);
   plan.memory_bytes = ReadMemory(path, file);
   const AxisReader reader(path);
@@ -281,7 +283,7 @@ BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
     base = reader.ReadBase(table->value);
   }
   const std::vector<AxisGroup> groups =
-      reader.ReadGroups(Find(file, "axes"), Find(file, "zip"), base);
+      reader.ReadGroups(Find(file, "axes"), Find(file, "zip"), Find(file, "random"), base);
   plan.all_pictures = CountPictures(path, groups);
   plan.dimensions = DimensionsOf(groups);
 

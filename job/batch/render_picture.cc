@@ -74,16 +74,15 @@ std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
 constexpr std::uint64_t kMostWritingBytes = std::uint64_t{1} << 28;
 
 // A batch leaves most of the memory to others: pictures that follow each other have most in common.
-std::uint64_t DefaultCacheBytes() {
+std::uint64_t CacheBytes(const PictureSettings& settings) {
+  if (settings.cache_bytes > 0) return settings.cache_bytes;
   return std::min<std::uint64_t>(GrantedHere().memory_bytes / 10, std::uint64_t{2} << 30);
 }
 
 }  // namespace
 
 PictureRenderer::PictureRenderer(const BatchPlan& plan, const PictureSettings& settings)
-    : plan_(plan),
-      settings_(settings),
-      cache_(settings.cache_bytes > 0 ? settings.cache_bytes : DefaultCacheBytes()) {}
+    : plan_(plan), settings_(settings), cache_(CacheBytes(settings), CacheBytes(settings) / 4) {}
 
 PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();

@@ -27,7 +27,8 @@ struct PictureWatcher {
 };
 
 struct PictureSettings {
-  std::uint64_t cache_bytes = 0;  // of what is kept for later pictures; 0: a tenth of the memory, at most 2 GiB
+  std::uint64_t cache_bytes =
+      0;  // of what is kept for later pictures; 0: a tenth of the memory, at most 2 GiB
   bool force = false;             // also render pictures that are there already
   double checkpoint_seconds = 0;  // between checkpoints; 0: only when the batch is stopped
 };

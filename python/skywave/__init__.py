@@ -11,11 +11,12 @@ mis=False, `--size 640x480` is size=(640, 480), `--eye 0,1,5` is eye=(0, 1, 5), 
 import json
 
 from . import _convert, _core
+from ._camera import Camera
 from ._errors import Canceled, Error, FileError, keywords
 from ._picture import Picture, encode_png, read_image, write_png
 from ._scene import Scene
 
-__all__ = ["Canceled", "Error", "FileError", "Picture", "Scene", "compare", "converge",
+__all__ = ["Camera", "Canceled", "Error", "FileError", "Picture", "Scene", "compare", "converge",
            "encode_png", "probe", "read_image", "render", "version", "write_png"]
 
 
@@ -36,6 +37,8 @@ def _scene_and_options(scene, env, options):
         reading = {name: options[name] for name in _READING if name in options}
         scene = Scene(scene, **reading)
         options = {name: value for name, value in options.items() if name not in _READING}
+    elif scene._size is not None:
+        options = {"size": scene._size, **options}
     if env is not None and not _convert.is_path(env):
         lit = (scene if own else scene.copy()).set_environment(env)
         return lit._core, _convert.options(options)

@@ -131,6 +131,15 @@ def vector(values, argument):
     return _float32(array).tolist()
 
 
+def matrix(values, argument, shapes):
+    """Returns the numbers of a matrix, row by row, and its shape."""
+    array = _array(values, argument, "fiu", "numbers")
+    if array.shape not in shapes:
+        wanted = " or ".join(map(str, shapes))
+        raise bad_argument(argument, f"its shape is {array.shape}, and {wanted} is needed")
+    return numpy.asarray(array, dtype=float).ravel().tolist(), array.shape
+
+
 def _is_single(value):
     try:
         return numpy.ndim(value) == 0

@@ -39,6 +39,16 @@ class Picture:
         """The statistics as text for people."""
         return self._renderer.summary()
 
+    @property
+    def object_names(self):
+        """The names of the meshes: number i of the layer object-id is object_names[i - 1]."""
+        return self._renderer.object_names()
+
+    @property
+    def material_names(self):
+        """The names of the materials, as object_names has those of meshes."""
+        return self._renderer.material_names()
+
     def save(self, path, *, exposure=None, tone=None):
         """Writes an EXR with all layers and the command that repeats it, a PNG, or a film.
 

@@ -1,5 +1,6 @@
 """Scenes: files, or meshes, materials and lights from arrays."""
 from . import _convert, _core
+from ._camera import Camera
 from ._errors import bad_argument, keywords, renamed
 
 
@@ -15,6 +16,8 @@ class Scene:
     else to return.
     """
 
+    _size = None  # of the pictures of its camera
+
     def __init__(self, path=None, **options):
         if path is None and options:
             raise bad_argument(next(iter(options)), "an empty scene has no options of reading")
@@ -28,6 +31,7 @@ class Scene:
         """Returns a scene that can be changed without changing this one."""
         scene = Scene.__new__(Scene)
         scene._core = self._core.copy()
+        scene._size = self._size
         return scene
 
     __copy__ = copy
@@ -141,11 +145,29 @@ class Scene:
         self._core.set_environment(_convert.image(map, "map"))
         return self
 
-    def set_camera(self, eye, target, up=(0, 1, 0), fov=45):
-        """Places the camera; `fov` is that of the shorter side of the picture, in degrees."""
+    def set_camera(self, eye, target=None, up=(0, 1, 0), fov=45):
+        """Places the camera; `fov` is that of the shorter side of the picture, in degrees.
+
+        A Camera in place of `eye` says all of that itself.
+        """
+        if isinstance(eye, Camera):
+            return self._set_camera(eye)
+        if target is None:
+            raise bad_argument("target", "the camera looks somewhere")
+        self._size = None
         with renamed(fov_degrees="fov"):
             self._core.set_camera(_convert.vector(eye, "eye"), _convert.vector(target, "target"),
                                   _convert.vector(up, "up"), _convert.number(fov, "fov"))
+        return self
+
+    def _set_camera(self, camera):
+        k, _ = _convert.matrix(camera.K, "K", [(3, 3)])
+        pose, shape = _convert.matrix(camera.world_from_camera, "world_from_camera",
+                                      [(4, 4), (3, 4)])
+        width, height = (_convert.index(side, "size") for side in camera.size)
+        self._core.set_camera_matrix(k, pose if shape == (4, 4) else [*pose, 0, 0, 0, 1], width,
+                                     height)
+        self._size = (width, height)
         return self
 
     def set_up(self, axis):

@@ -237,6 +237,34 @@ TEST_F(Plan, AStarSelectsEveryCameraOfTheScene) {
   ExpectRefused(output + "scene = [\"spheres\"]\nscene-camera = \"*\"\n", 5, {"[base]", "scene"});
 }
 
+// A file of cameras is all of its photographs, unless one is named.
+TEST_F(Plan, AnAxisOfCamerasIsEveryPhotographOfTheFile) {
+  const std::string pose = "\"transform_matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,4],[0,0,0,1]]";
+  folder_.Write("transforms.json",
+                "{\"camera_angle_x\": 0.7, \"w\": 12, \"h\": 9, \"frames\": [{\"file_path\": "
+                "\"./train/r_0.png\", " +
+                    pose + "}, {\"file_path\": \"./train/r_1.png\", " + pose + "}]}");
+  const BatchPlan plan =
+      Read(kBase + std::string("[output]\npath = \"{camera-from}.exr\"\n[axes]\n") +
+           "camera-from = \"transforms.json\"\n");
+  ASSERT_EQ(plan.pictures.size(), 2u);
+  for (const std::size_t i : {0, 1}) {
+    const std::string name = "r_" + std::to_string(i);
+    EXPECT_EQ(plan.pictures[i].axes[0].label, name);
+    const JobRequest job = RequestOf(plan.path, plan.pictures[i].options).job;
+    EXPECT_EQ(job.camera.from, folder_.Path("transforms.json"));
+    EXPECT_EQ(job.camera.name, "./train/" + name + ".png");
+  }
+  const std::string base = kBase + std::string("camera-from = \"transforms.json\"\n");
+  EXPECT_EQ(Outputs(base + "[output]\npath = \"{scene-camera}.exr\"\n[axes]\n" +
+                    "scene-camera = \"*\"\n"),
+            (std::vector<std::string>{"r_0.exr", "r_1.exr"}));
+  EXPECT_EQ(Outputs(kBase + std::string("scene-camera = \"./train/r_1.png\"\n") +
+                    "[output]\npath = \"{camera-from}.exr\"\n[axes]\n" +
+                    "camera-from = [\"transforms.json\"]\n"),
+            std::vector<std::string>{"transforms.exr"});
+}
+
 TEST_F(Plan, ProductsSetSeveralOptionsUnderALabel) {
   const BatchPlan plan =
       Read(std::string(kBase) +

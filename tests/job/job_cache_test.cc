@@ -62,6 +62,33 @@ TEST_F(Cache, DropsTheLeastRecentlyUsedFirst) {
   EXPECT_FALSE(Has(cache, "a"));
 }
 
+// What was needed once makes room before what is needed again.
+TEST_F(Cache, KeepsLessOfWhatNobodyHasAskedForAgain) {
+  JobCache cache(100, 30);
+  for (const char* const key : {"a", "b", "a", "b"}) Get(cache, key);
+  for (int i = 0; i < 20; ++i) {
+    Get(cache, std::to_string(i));
+    EXPECT_LE(cache.bytes(), 50u);
+  }
+  EXPECT_EQ(cache.bytes(), 50u);
+  const int before = made_;
+  for (const char* const key : {"a", "b", "19", "18", "17"}) EXPECT_TRUE(Has(cache, key)) << key;
+  EXPECT_EQ(made_, before);
+  EXPECT_FALSE(Has(cache, "16"));
+}
+
+// A value that has made room is one that was asked for again when somebody asks for it who finds it
+// with another one.
+TEST_F(Cache, WhatIsHeldIsAskedForAgain) {
+  JobCache cache(100, 15);
+  const std::shared_ptr<const Bytes> held = Get(cache, "a");
+  Get(cache, "b");  // `a` is not kept any more
+  EXPECT_EQ(cache.bytes(), 10u);
+  EXPECT_EQ(Get(cache, "a"), held);
+  for (int i = 0; i < 9; ++i) Get(cache, std::to_string(i));
+  EXPECT_EQ(cache.bytes(), 20u) << "`a`, and the last one";
+}
+
 TEST_F(Cache, StaysWithinItsLimitWhateverTheSizes) {
   JobCache cache(100);
   for (std::size_t i = 0; i < 50; ++i) {

@@ -56,6 +56,53 @@ TEST(Orbit, TurnsCounterClockwiseSeenFromAbove) {
   ExpectNear(Eye(Choose(scene, request)), {4, 1, 0});
 }
 
+glm::vec3 Up(const Camera& camera) {
+  return glm::normalize(glm::vec3(camera.world_from_camera[1]));
+}
+
+TEST(Up, IsUpInThePicture) {
+  CameraRequest request = {.eye = glm::vec3(0, 0, 5), .target = glm::vec3(0)};
+  request.up = glm::vec3(3, 0, 1);
+  ExpectNear(Up(Choose({}, request)), {1, 0, 0});
+  ExpectNear(View(Choose({}, request)), {0, 0, -1});
+  // The camera of a scene keeps its place and view.
+  const Scene with_camera = {.camera = LookAtCamera({2, 1, 7}, {2, 1, 0}, {0, 1, 0}, 30, false)};
+  request = {};
+  request.up = glm::vec3(0, -2, 0);
+  ExpectNear(Eye(Choose(with_camera, request)), {2, 1, 7});
+  ExpectNear(View(Choose(with_camera, request)), {0, 0, -1});
+  ExpectNear(Up(Choose(with_camera, request)), {0, -1, 0});
+  request.up = glm::vec3(0, 0, 3);
+  EXPECT_NE(Refusal([&] { Choose(with_camera, request); }).find("up"), std::string::npos);
+  request.up = glm::vec3(0);
+  EXPECT_NE(Refusal([&] { Choose(with_camera, request); }).find("no direction"), std::string::npos);
+}
+
+// A camera that looks straight down has the middle of the map at the top of its picture.
+TEST(Up, NeedsNothingToLookStraightDown) {
+  CameraRequest request = {.eye = glm::vec3(0, 5, 0), .target = glm::vec3(0)};
+  const Camera down = Choose({}, request);
+  ExpectNear(View(down), {0, -1, 0});
+  ExpectNear(Up(down), EnvironmentFrame('y', false, 0)[1]);
+  Scene scene;
+  scene.up_axis = 'z';
+  request = {.eye = glm::vec3(0, 0, -5), .target = glm::vec3(0)};
+  ExpectNear(View(Choose(scene, request)), {0, 0, 1});
+  request.target = request.eye;
+  EXPECT_NE(Refusal([&] { Choose(scene, request); }).find("look somewhere"), std::string::npos);
+}
+
+// Clockwise as the camera looks: what was up is then on its right.
+TEST(Roll, TurnsTheCameraClockwise) {
+  CameraRequest request = {.eye = glm::vec3(0, 0, 5), .target = glm::vec3(0)};
+  request.roll_degrees = 90.0f;
+  const Camera rolled = Choose({}, request);
+  ExpectNear(Up(rolled), {1, 0, 0});
+  ExpectNear(glm::vec3(rolled.world_from_camera[0]), {0, -1, 0});
+  ExpectNear(View(rolled), {0, 0, -1});
+  ExpectNear(Eye(rolled), {0, 0, 5});
+}
+
 TEST(Orbit, TurnsAboutTheTargetOrTheMiddleOfTheScene) {
   CameraRequest request = {.eye = glm::vec3(1, 1, 5)};
   request.orbit_degrees = 180.0f;

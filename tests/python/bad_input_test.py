@@ -152,6 +152,14 @@ class BadInputTest(Case):
         for fov in (0, -10, 180, 1000, NAN, "wide"):
             self.refuse("fov", "", scene.set_camera, (0, 2, 5), (0, 0, 0), fov=fov)
         self.refuse("eye|target", "", scene.set_camera, up, up)
+        self.refuse("target", "looks somewhere", scene.set_camera, up)
+        K, pose = numpy.diag([50.0, 50, 1]), numpy.eye(4)
+        for word, K_of, pose_of, size in (
+                ("shape", numpy.eye(4), pose, (8, 8)), ("shape", K, K, (8, 8)),
+                ("focal", numpy.diag([0.0, 50, 1]), pose, (8, 8)),
+                ("right angles", K, numpy.diag([1.0, 0, 1, 1]), (8, 8)),
+                ("last row", K, numpy.diag([1.0, 1, 1, 2]), (8, 8)), ("8 by 0", K, pose, (8, 0))):
+            self.refuse(".", word, scene.set_camera, skywave.Camera(K_of, pose_of, size))
         self.refuse("up", "", scene.set_camera, (0, 2, 5), (0, 0, 5), up=(0, 0, 0))
         for axis in ("w", "", "xy", 1, None):
             self.refuse("^axis$", "", scene.set_up, axis)

@@ -1,4 +1,4 @@
-"""The Python of README.md and docs/python.md runs as it stands there."""
+"""The Python of README.md, docs/python.md and docs/datasets.md runs as it stands there."""
 import importlib.util
 import pathlib
 import re
@@ -20,7 +20,7 @@ class DocsTest(Case):
         pathlib.Path("model.glb").write_bytes(check_docs.cube_glb())
         pathlib.Path("map.pfm").write_bytes(check_docs.sky_pfm())
         self.command("probe", "convert", "map.pfm", "sky.hdr", "--to", "latlong")
-        for name in ("README.md", "docs/python.md"):
+        for name in ("README.md", "docs/python.md", "docs/datasets.md"):
             text = (ROOT / name).read_text()
             blocks = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
             self.assertTrue(blocks, name)

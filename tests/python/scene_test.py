@@ -133,6 +133,28 @@ class SceneTest(Case):
         self.assertNotEqual(render(scene.set_camera(eye, target, fov=46)).tobytes(),
                             expected.tobytes())
 
+    def test_a_camera_of_vision_sees_points_where_its_matrix_says(self):
+        K = numpy.array([[70, 0, 21.25], [0, 60, 12.5], [0, 0, 1]])
+        angle = 0.3
+        R = numpy.array([[numpy.cos(angle), 0, numpy.sin(angle)], [0, -1, 0],
+                         [numpy.sin(angle), 0, -numpy.cos(angle)]])  # y down
+        t = numpy.array([0.1, 0.2, 4])
+        camera = skywave.Camera.from_world_to_camera(K, R, t, (48, 32))
+        scene = skywave.Scene().add_mesh(VERTICES, FACES).set_camera(camera)
+        picture = skywave.render(scene, env=sky(), spp=1, filter="box", filter_radius=0.01,
+                                 aovs=["position", "coverage"])
+        self.assertEqual((picture.width, picture.height), (48, 32))
+        y, x = numpy.nonzero(picture.layers["coverage"])
+        self.assertGreater(len(x), 20)
+        seen = R @ picture.layers["position"][y, x].astype(float).T + t[:, None]
+        pixels = K @ (seen / seen[2])
+        numpy.testing.assert_allclose(pixels[0], x, atol=0.02)
+        numpy.testing.assert_allclose(pixels[1], y, atol=0.02)
+        # The size of the picture may be given, and a camera of its own forgets that of the matrix.
+        self.assertEqual(skywave.render(scene.copy(), sky(), size=(24, 16), spp=1).width, 24)
+        scene.set_camera((0, 2, 5), (0, 0, 0))
+        self.assertEqual(skywave.render(scene, sky(), spp=1).width, 640)
+
     def test_images_of_one_channel_are_grey(self):
         ramp = numpy.linspace(0.1, 0.9, 16, dtype=numpy.float32).reshape(8, 2)
         pictures = []

@@ -35,6 +35,7 @@ class StubsTest(unittest.TestCase):
                 if isinstance(attribute, property):
                     self.assertEqual(ast.unparse(node.decorator_list[0]), "property")
                 else:
+                    attribute = getattr(attribute, "__func__", attribute)  # of a classmethod
                     self.assertEqual(parameters_of(attribute), parameters_of_stub(node))
         return {node.name for node in functions}
 
@@ -50,7 +51,7 @@ class StubsTest(unittest.TestCase):
                 cls = getattr(skywave, node.name)
                 named = self.compare(node.body, cls)
                 public = {name for name, value in vars(cls).items() if not name.startswith("_")
-                          and (callable(value) or isinstance(value, property))}
+                          and (callable(value) or isinstance(value, (property, classmethod)))}
                 self.assertEqual({name for name in named if not name.startswith("_")}, public)
 
 

@@ -76,6 +76,45 @@ TEST(Aovs, DepthsAreThoseOfTheWorld) {
   }
 }
 
+// From a place beside the middle of the walls.
+TEST(Aovs, DistancesAndNormalsAreThoseOfTheCamera) {
+  Scene scene = TwoWalls();
+  JobRequest request = SmallRequest(20, 20, 16);
+  request.filter = PixelFilter::kBox;
+  for (const float scale : {1.0f, 2.5f}) {
+    const float turn = 0.4f;
+    const glm::vec3 eye(1, -0.5f, 4), view(-std::sin(turn), 0, -std::cos(turn));
+    scene.camera = LookAtCamera(eye, eye + view, {0.3f, 1, 0}, 60, false);
+    const glm::mat4 camera = scene.camera->world_from_camera;
+    for (int axis = 0; axis < 3; ++axis) scene.camera->world_from_camera[axis] *= scale;
+    const Layers layers =
+        Resolve(MakeJob(scene, request, "distance,position,camera-normal,shading-normal,coverage"));
+    int seen = 0;
+    for (std::size_t i = 0; i < 400; ++i) {
+      if (layers.at("coverage.V")[i] < 1) {
+        if (layers.at("coverage.V")[i] == 0) {
+          EXPECT_EQ(layers.at("distance.Z")[i], 1e10f);
+        }
+        continue;
+      }
+      ++seen;
+      const auto at = [&](const std::string& name) {
+        return glm::vec3(layers.at(name + ".X")[i], layers.at(name + ".Y")[i],
+                         layers.at(name + ".Z")[i]);
+      };
+      EXPECT_NEAR(layers.at("distance.Z")[i], glm::length(at("position") - eye), 2e-3f);
+      const glm::vec3 normal = at("shading-normal");
+      const glm::vec3 expected(glm::dot(normal, glm::vec3(camera[0])),
+                               glm::dot(normal, glm::vec3(camera[1])),
+                               -glm::dot(normal, glm::vec3(camera[2])));
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(at("camera-normal")[axis], expected[axis], 1e-5f);
+      EXPECT_GT(at("camera-normal").z, 0) << "surfaces face the camera";
+    }
+    EXPECT_GT(seen, 20);
+  }
+}
+
 // Positions are on the surface itself, whichever way it faces; the walls are turned to face x.
 TEST(Aovs, PositionsAreOnTheSurface) {
   Scene scene = TwoWalls();
@@ -283,7 +322,7 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
     request.options.light_samples = 2;
     const RenderJob job = MakeJob(PaintedScene(), request, "all");
     const Layers reference = Resolve(job);
-    EXPECT_EQ(reference.size(), 39u);
+    EXPECT_EQ(reference.size(), 43u);
     for (const int threads : {1, 3}) {
       for (const std::uint32_t wave : {1u, 17u, 300u, 2048u}) {
         FrameView frame = job.frame();

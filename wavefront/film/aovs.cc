@@ -52,6 +52,24 @@ void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
+void ReadDistance(const FirstSurfaces& first, const AovColumns& out) {
+  std::copy_n(first.surfaces.t, first.count, out[0]);
+}
+
+// Axes as in OpenGL: x right, y up, z towards the camera.
+void ReadCameraNormal(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  const CameraView& camera = first.camera;
+  const auto along = [&](const float* axis, float sign, float* values) {
+    const float scale = sign / std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    for (std::uint32_t i = 0; i < first.count; ++i) {
+      values[i] = scale * (s.ns_x[i] * axis[0] + s.ns_y[i] * axis[1] + s.ns_z[i] * axis[2]);
+    }
+  };
+  along(camera.right, 1, out[0]), along(camera.down, -1, out[1]);
+  along(camera.forward, -1, out[2]);
+}
+
 void ReadUv(const FirstSurfaces& first, const AovColumns& out) {
   const SurfaceColumns& s = first.surfaces;
   for (std::uint32_t i = 0; i < first.count; ++i) {
@@ -88,6 +106,10 @@ constexpr Aov kAovs[] = {
     {"depth", "Z", AovSum::kMeanOfHits,
      "along the camera's axis (spherical cameras, fisheye: along the ray); 1e10: nothing hit",
      ReadDepth, AovRange::kWorld, kFarAway},
+    {"distance", "Z", AovSum::kMeanOfHits, "along the ray; 1e10: nothing hit", ReadDistance,
+     AovRange::kWorld, kFarAway},
+    {"camera-normal", "XYZ", AovSum::kMeanOfHits,
+     "the shading normal; x right, y up, z towards the camera", ReadCameraNormal},
     {"position", "XYZ", AovSum::kMeanOfHits, "world space", ReadPosition, AovRange::kWorld},
     {"uv", "UVA", AovSum::kNearestHit, "texture coordinates; A: 1 where something was hit", ReadUv},
     {"object-id", "V", AovSum::kNearestHit, "number of the mesh in the scene from 1 on; 0: none",

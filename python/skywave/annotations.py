@@ -1,0 +1,146 @@
+"""Annotations of pictures, as data sets for computer vision have them.
+
+    picture = skywave.render("spheres", "sky.hdr", aovs=["object-id", "depth"])
+    coco = Coco({"ball": ["red", "mirror*"], "floor": ["floor"]})
+    coco.add("0000.png", picture)
+    coco.save("annotations.json")
+    write_depth("0000_depth.png", picture.layers["depth"])
+
+A pixel belongs to the object that its sample nearest to the middle sees, so masks have no soft
+edges and share no pixel.
+"""
+import fnmatch
+import json
+import struct
+import warnings
+import zlib
+
+import numpy
+
+from . import _convert
+from ._errors import as_file_error, bad_argument
+
+_FAR = 1e10  # depth where nothing is hit
+_MOST = 65535
+
+
+def boxes(ids):
+    """Returns (left, top, width, height) [pixels] of what each number but 0 covers, by number."""
+    found = {}
+    for number in numpy.unique(ids):
+        if number == 0:
+            continue
+        y, x = numpy.nonzero(ids == number)
+        left, top = int(x.min()), int(y.min())
+        found[int(number)] = (left, top, int(x.max()) - left + 1, int(y.max()) - top + 1)
+    return found
+
+
+def run_lengths(mask):
+    """Returns a mask (height, width) as COCO has it: the lengths of its runs of 0 and 1 by turns,
+    column by column, 0 first."""
+    values = numpy.asarray(mask, dtype=bool).ravel(order="F")
+    changes = numpy.flatnonzero(values[1:] != values[:-1]) + 1
+    edges = numpy.concatenate([[0], changes, [len(values)]])
+    counts = numpy.diff(edges).tolist()
+    if len(values) and values[0]:
+        counts = [0, *counts]
+    return {"size": [int(mask.shape[0]), int(mask.shape[1])], "counts": counts}
+
+
+def class_ids(ids, names, classes):
+    """Returns the number of its class for each pixel, from 1 on; 0: of none.
+
+    `names` are those of numbers 1, 2, ... of `ids`. `classes` has patterns of names (with * and ?)
+    by class; the first class with a pattern that matches takes a name.
+    """
+    table = numpy.zeros(len(names) + 1, dtype=numpy.uint16)
+    for number, patterns in enumerate(classes.values(), 1):
+        for i, name in enumerate(names, 1):
+            if table[i] == 0 and any(fnmatch.fnmatchcase(name, p) for p in patterns):
+                table[i] = number
+    return table[numpy.asarray(ids, dtype=numpy.int64)]
+
+
+def write_png16(path, values):
+    """Writes whole numbers (height, width) of at most 65535 as a grey PNG of 16 bits."""
+    values = numpy.asarray(values)
+    if values.ndim != 2 or values.size == 0:
+        raise bad_argument("values", f"its shape is {values.shape}, and (height, width) is needed")
+    if not (values.min() >= 0 and values.max() <= _MOST and (values == numpy.rint(values)).all()):
+        raise bad_argument("values", f"a PNG of 16 bits holds whole numbers from 0 to {_MOST}")
+    height, width = values.shape
+    lines = numpy.zeros((height, 1 + 2 * width), dtype=numpy.uint8)  # filter 0 in front of each
+    lines[:, 1:] = numpy.ascontiguousarray(values.astype(">u2")).view(numpy.uint8)
+
+    def chunk(kind, body):
+        return (struct.pack(">I", len(body)) + kind + body
+                + struct.pack(">I", zlib.crc32(kind + body)))
+
+    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0,
+                                                              0, 0))
+            + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b""))
+    name = _convert.path(path, "path")
+    with as_file_error(name), open(name, "wb") as file:
+        file.write(data)
+
+
+def write_depth(path, depth, unit=0.001):
+    """Writes the layer `depth` or `distance` as a PNG of 16 bits in steps of `unit`, 0 where nothing
+    is hit; with lengths in metres the steps are millimetres. Raises Error if a depth does not fit.
+    """
+    depth = numpy.asarray(depth, dtype=float)
+    steps = numpy.where(depth < _FAR, numpy.rint(depth / unit), 0)
+    if steps.max(initial=0) > _MOST:
+        needed = depth[depth < _FAR].max() / _MOST
+        raise bad_argument("unit", f"a depth of {depth[depth < _FAR].max():g} is more than {_MOST} "
+                                   f"steps of {unit:g}: take at least {needed:.3g}")
+    write_png16(path, steps)
+
+
+class Coco:
+    """Collects annotations of pictures in the format of COCO: a box, a mask and an area for each
+    object that a picture shows. The names of the objects go to classes as class_ids says."""
+
+    def __init__(self, classes):
+        self.classes = {name: [patterns] if isinstance(patterns, str) else list(patterns)
+                        for name, patterns in classes.items()}
+        self.images, self.annotations = [], []
+        self._names = set()  # of all pictures
+
+    def add(self, file_name, picture):
+        """Adds a picture with the layer object-id; returns the number of its annotations."""
+        if "object-id" not in picture.layers:
+            raise bad_argument("picture", 'it has no layer object-id: render with '
+                                          'aovs=["object-id"]')
+        ids, names = picture.layers["object-id"], picture.object_names
+        classes = class_ids(numpy.arange(len(names) + 1), names, self.classes)
+        self._names.update(names)
+        image = len(self.images) + 1
+        self.images.append({"id": image, "file_name": str(file_name), "width": picture.width,
+                            "height": picture.height})
+        before = len(self.annotations)
+        for number, box in boxes(ids).items():
+            if classes[number] == 0:
+                continue
+            mask = ids == number
+            self.annotations.append({
+                "id": len(self.annotations) + 1, "image_id": image,
+                "category_id": int(classes[number]), "iscrowd": 0, "bbox": list(box),
+                "area": int(mask.sum()), "segmentation": run_lengths(mask),
+                "object": names[number - 1]})
+        return len(self.annotations) - before
+
+    def save(self, path):
+        """Writes the JSON that pycocotools reads. Warns of classes that have taken no name."""
+        categories = [{"id": i, "name": name} for i, name in enumerate(self.classes, 1)]
+        name = _convert.path(path, "path")
+        with as_file_error(name), open(name, "w", encoding="utf-8") as file:
+            json.dump({"images": self.images, "annotations": self.annotations,
+                       "categories": categories}, file)
+        names = sorted(self._names)
+        taken = set(class_ids(numpy.arange(len(names) + 1), names, self.classes).tolist())
+        for i, (name, patterns) in enumerate(self.classes.items(), 1):
+            if i not in taken:
+                warnings.warn(f"the class '{name}' ({', '.join(patterns)}) takes none of the names "
+                              f"{', '.join(names)}", stacklevel=2)

@@ -1,0 +1,150 @@
+"""Annotations agree with exact values of simple scenes and with counts of their own."""
+import json
+import pathlib
+import struct
+import subprocess
+import sys
+import unittest
+import zlib
+
+import numpy
+
+import skywave
+from skywave import annotations
+from support import Case, sky
+
+
+def decoded_runs(runs):
+    """Returns the mask of COCO's run lengths, value by value."""
+    height, width = runs["size"]
+    values = []
+    for i, count in enumerate(runs["counts"]):
+        values += [i % 2] * count
+    return [[values[x * height + y] for x in range(width)] for y in range(height)]
+
+
+def read_png16(path):
+    data = pathlib.Path(path).read_bytes()
+    width, height, depth, color = struct.unpack(">IIBB", data[16:26])
+    assert (depth, color) == (16, 0)
+    at = data.index(b"IDAT")
+    size, = struct.unpack(">I", data[at - 4:at])
+    raw = zlib.decompress(data[at + 4:at + 4 + size])
+    line = 1 + 2 * width
+    return [list(struct.unpack(f">{width}H", raw[y * line + 1:(y + 1) * line]))
+            for y in range(height)]
+
+
+def square(x, y, z, side):
+    """Returns a square that faces +z, with its corner at (x, y, z)."""
+    points = [[x, y, z], [x + side, y, z], [x + side, y + side, z], [x, y + side, z]]
+    return points, [[0, 1, 2], [0, 2, 3]]
+
+
+class AnnotationsTest(Case):
+    def picture(self):
+        """A wall at z = 0, half of it hidden by a plate at z = 2; the camera is at z = 10, and its
+        picture of 40 x 30 pixels shows 8 x 6 in the plane of the wall."""
+        scene = skywave.Scene()
+        scene.add_mesh(*square(-2, -2, 0, 4), name="wall")
+        scene.add_mesh(*square(0, -1.92, 2, 1.44), name="plate 7")
+        K = numpy.array([[50.0, 0, 19.5], [0, 50, 14.5], [0, 0, 1]])
+        pose = numpy.diag([1.0, -1, -1, 1])
+        pose[2, 3] = 10
+        scene.set_camera(skywave.Camera(K, pose, (40, 30)))
+        return skywave.render(scene, sky(), spp=4, filter="box",
+                              aovs=["object-id", "depth", "distance", "uv"])
+
+    def test_boxes_masks_and_areas_are_those_of_the_geometry(self):
+        picture = self.picture()
+        self.assertEqual(picture.object_names, ["wall", "plate 7"])
+        ids = picture.layers["object-id"]
+        # A pixel is 0.2 wide at the wall and 0.16 at the plate.
+        self.assertEqual(annotations.boxes(ids), {1: (10, 5, 20, 20), 2: (20, 18, 9, 9)})
+        coco = annotations.Coco({"sheet": "pl?te*", "wall": ["nothing", "wall"]})
+        self.assertEqual(coco.add("a.png", picture), 2)
+        self.assertEqual(coco.add("b.png", picture), 2)
+        coco.save("coco.json")
+        with open("coco.json", encoding="utf-8") as file:
+            saved = json.load(file)
+        self.assertEqual([c["name"] for c in saved["categories"]], ["sheet", "wall"])
+        self.assertEqual([(a["image_id"], a["category_id"], a["object"])
+                          for a in saved["annotations"]],
+                         [(1, 2, "wall"), (1, 1, "plate 7"), (2, 2, "wall"), (2, 1, "plate 7")])
+        for annotation, number in zip(saved["annotations"], (1, 2)):
+            mask = decoded_runs(annotation["segmentation"])
+            self.assertEqual(mask, (ids == number).astype(int).tolist())
+            self.assertEqual(annotation["area"], sum(map(sum, mask)))
+        self.assertEqual(len({a["id"] for a in saved["annotations"]}), 4)
+
+    def test_depths_are_exact(self):
+        picture = self.picture()
+        ids = picture.layers["object-id"]
+        # Away from edges, all samples of a pixel see the same object.
+        inner = numpy.zeros_like(ids, dtype=bool)
+        inner[7:17, 12:28] = True
+        depth, distance = picture.layers["depth"], picture.layers["distance"]
+        numpy.testing.assert_allclose(depth[inner], 10, atol=1e-4)
+        numpy.testing.assert_allclose(depth[19:26, 21:28], 8, atol=1e-4)
+        y, x = numpy.nonzero(inner)
+        exact = 10 * numpy.sqrt(1 + ((x - 19.5) / 50)**2 + ((y - 14.5) / 50)**2)
+        numpy.testing.assert_allclose(distance[inner], exact, atol=0.01)
+        annotations.write_depth("depth.png", depth)
+        steps = numpy.array(read_png16("depth.png"))
+        self.assertEqual(steps[10, 14], 10000)
+        self.assertEqual(steps[22, 24], 8000)
+        self.assertEqual(steps[0, 0], 0)
+
+    def test_run_lengths_begin_with_zeros(self):
+        for mask, counts in (([[0, 1], [0, 1]], [2, 2]), ([[1, 0], [1, 1]], [0, 2, 1, 1]),
+                             ([[0, 0]], [2]), ([[1], [1]], [0, 2])):
+            runs = annotations.run_lengths(numpy.array(mask))
+            self.assertEqual(runs["counts"], counts)
+            self.assertEqual(decoded_runs(runs), mask)
+
+    def test_png_keep_all_bits(self):
+        values = numpy.array([[0, 1, 255], [256, 65534, 65535]])
+        annotations.write_png16("ids.png", values)
+        self.assertEqual(read_png16("ids.png"), values.tolist())
+
+    def test_the_example_makes_the_same_pictures_in_two_runs(self):
+        example = pathlib.Path(__file__).resolve().parents[2] / "examples/dataset.py"
+
+        def run(*arguments):
+            subprocess.run([sys.executable, "-B", example, "--size", "32", "--spp", "8",
+                            *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+
+        run("--pictures", 2, "-o", "whole")
+        run("--pictures", 1, "-o", "parts")
+        run("--pictures", 1, "--first", 1, "-o", "parts")
+        pictures = sorted(path.name for path in pathlib.Path("whole").glob("*.png"))
+        self.assertEqual(len(pictures), 6)
+        for name in pictures:
+            self.assertEqual(pathlib.Path("whole", name).read_bytes(),
+                             pathlib.Path("parts", name).read_bytes(), name)
+        coco = json.loads(pathlib.Path("whole/annotations_0000.json").read_text())
+        ids = numpy.array(read_png16("whole/0001_objects.png"))
+        of_second = [a for a in coco["annotations"] if a["image_id"] == 2]
+        self.assertEqual(sum(a["area"] for a in of_second), (ids > 1).sum())  # 1 is the table
+
+    def test_what_does_not_fit_is_refused(self):
+        def refuse(word, function, *arguments):
+            with self.assertRaisesRegex(skywave.Error, word):
+                function(*arguments)
+
+        refuse("65535", annotations.write_png16, "x.png", [[65536]])
+        refuse("65535", annotations.write_png16, "x.png", [[0.5]])
+        refuse("shape", annotations.write_png16, "x.png", [1, 2])
+        refuse("at least 0.00153", annotations.write_depth, "x.png", [[100.0, 1e10]])
+        refuse("nosuch", annotations.write_png16, "nosuch/x.png", [[1]])
+        picture = self.picture()
+        coco = annotations.Coco({"cup": ["cup*"], "wall": "wall"})
+        coco.add("a.png", picture)
+        with self.assertWarnsRegex(UserWarning, r"'cup' \(cup\*\) takes none .* plate 7, wall"):
+            coco.save("coco.json")
+        bare = skywave.render("spheres", sky(), size=(8, 6), spp=1)
+        refuse("object-id", annotations.Coco({"all": "*"}).add, "a.png", bare)
+
+
+if __name__ == "__main__":
+    unittest.main()
