@@ -237,12 +237,21 @@ void Renderer::CopyLayer(const std::string& name, std::span<float> values) const
   }
 }
 
+namespace {
+
+std::vector<std::string> NamesOf(MatteOf what, const RenderJob& job) {
+  if (job.names() == nullptr) return {};
+  return (*job.names())[std::size_t(what)].names;
+}
+
+}  // namespace
+
 std::vector<std::string> Renderer::ObjectNames() const {
-  return state_->job->names()[std::size_t(MatteOf::kObjects)].names;
+  return NamesOf(MatteOf::kObjects, *state_->job);
 }
 
 std::vector<std::string> Renderer::MaterialNames() const {
-  return state_->job->names()[std::size_t(MatteOf::kMaterials)].names;
+  return NamesOf(MatteOf::kMaterials, *state_->job);
 }
 
 std::string Renderer::Statistics() const {

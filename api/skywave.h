@@ -275,7 +275,8 @@ class SKYWAVE_API Renderer {
   // Writes the layer with that name, with as many floats per pixel as it has channels.
   void CopyLayer(const std::string& name, std::span<float> values) const;
   // Returns the names of meshes, or of materials, by their numbers from 0 on: those of the layers
-  // "object-id" and "material-id" count from 1. One without a name is "mesh N" or "material N".
+  // "object-id" and "material-id" count from 1. One without a name is "mesh N" or "material N". Of
+  // a picture without layers of numbers or mattes there are none.
   std::vector<std::string> ObjectNames() const;
   std::vector<std::string> MaterialNames() const;
   // Returns times, rays and stages as `skywave render --stats` writes them, in JSON.

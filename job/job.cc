@@ -278,7 +278,9 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
     light_groups_ = MakeLightGroups(*prepared.scene, geometry(), local_lights().view(),
                                     SkyOf(request_.sky_patches, *prepared.scene));
   }
-  names_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
+  if (Sums(options().aovs, AovSum::kMatte) || Sums(options().aovs, AovSum::kNearestHit)) {
+    names_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
+  }
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());

@@ -66,8 +66,8 @@ class RenderJob {
   const EnvStrategy& strategy() const { return *strategy_->strategy; }
   const LocalLights& local_lights() const { return local_lights_->lights; }
   const JobTimes& times() const { return times_; }
-  // The names of meshes and materials, by their numbers.
-  const Mattes& names() const { return *names_; }
+  // The names of meshes and materials, by their numbers; null: no layer has numbers or mattes.
+  const Mattes* names() const { return names_.get(); }
   std::uint64_t scene_hash() const { return scene_hash_; }
   std::uint64_t map_hash() const { return map_hash_; }  // of the illumination map alone
   // One line each, for the user: what is not rendered as the scene file asks,
@@ -94,7 +94,7 @@ class RenderJob {
   std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
   std::shared_ptr<const BuiltLamps> local_lights_;
   LightGroups light_groups_;                // where they are asked for
-  std::shared_ptr<const Mattes> names_;     // of meshes and materials
+  std::shared_ptr<const Mattes> names_;     // of meshes and materials, likewise
   std::vector<std::uint8_t> object_lamps_;  // FrameView::object_lamps
   LightLinks links_;                        // where there are some
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;

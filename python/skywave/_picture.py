@@ -41,7 +41,8 @@ class Picture:
 
     @property
     def object_names(self):
-        """The names of the meshes: number i of the layer object-id is object_names[i - 1]."""
+        """The names of the meshes: number i of the layer object-id is object_names[i - 1]. Empty
+        without such a layer."""
         return self._renderer.object_names()
 
     @property
