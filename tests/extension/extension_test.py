@@ -68,10 +68,6 @@ std::span<const RenderOption> Options() {
   return table;
 }
 
-void AddTables(const RenderOptions& options, Worker& worker) {
-  worker.tables.Add<TwinTables>(options.wave);
-}
-
 void ForEachPass(const FrameView& frame, WorkerPool&, PhotonCounts&, const RenderPass& render) {
   const TwinPass pass = {.gain = frame.options.of<TwinOptions>().gain};
   FrameView view = frame;
@@ -197,8 +193,11 @@ StrategyFactory TwinFactory() {
                    '#include <vector>\n\n#include "wavefront/render_option.h"\n'),
                   ("void RenderDirectWave(", INTEGRATOR + "void RenderDirectWave("),
                   ("  FinishWave(", "  Amplify(frame, range.count, w);\n  FinishWave("),
-                  (".add_tables = AddPlaceTables", ".options = Options, .add_tables = AddTables,"
-                   " .for_each_pass = ForEachPass")))
+                  ("  AddPlaceTables(options, worker);\n",
+                   "  AddPlaceTables(options, worker);\n"
+                   "  worker.tables.Add<TwinTables>(options.wave);\n"),
+                  (".options = ClampOptionTable", ".options = Options"),
+                  (".add_tables = AddTables", ".add_tables = AddTables, .for_each_pass = ForEachPass")))
     add.file("wavefront/policies/twin.cc", POLICY)
     add.line("wavefront/policy.h", "  POLICY(Guide)", " POLICY(Twin)")
     add.line("wavefront/integrator.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
