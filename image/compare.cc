@@ -75,7 +75,7 @@ ImageDifference Compare(const Image& image, const Image& reference) {
       const double luminance =
           0.212671 * absolute[0] + 0.715160 * absolute[1] + 0.072169 * absolute[2];
       result.mean_absolute += sum;
-      result.thesis_euclidean += sum * sum;
+      result.squared_channel_sum += sum * sum;
       result.thesis_luminance += luminance * luminance;
       result.different_pixels += std::memcmp(a, b, 3 * sizeof(float)) != 0;
     }
@@ -88,7 +88,7 @@ ImageDifference Compare(const Image& image, const Image& reference) {
   result.relative_mse /= 3 * pixels;
   result.mean_absolute /= 3 * pixels;
   result.psnr = -10 * std::log10(encoded_squares / (3 * pixels));
-  result.thesis_euclidean /= pixels;
+  result.squared_channel_sum /= pixels;
   result.thesis_luminance /= pixels;
   return result;
 }

@@ -24,9 +24,9 @@ struct ImageDifference {
   // [dB] 10 log10(1 / mse) of both pictures clipped to [0, 1] and sRGB-encoded, not rounded to 8
   // bits; infinite if these are equal.
   double psnr = 0;
-  // (T 8.1) mean over pixels of (|dr| + |dg| + |db|)^2. The thesis calls this norm Euclidean; the
-  // squared Euclidean norm as usually understood is 3 * mse.
-  double thesis_euclidean = 0;
+  // (T 8.1) mean over pixels of (|dr| + |dg| + |db|)^2, which the thesis calls Euclidean. Its
+  // figures are those of dr^2 + dg^2 + db^2, which is 3 * mse (docs/reproduction_tables.md).
+  double squared_channel_sum = 0;
   // (T 8.1) mean over pixels of (0.212671 |dr| + 0.715160 |dg| + 0.072169 |db|)^2.
   double thesis_luminance = 0;
   double max_absolute = 0;           // largest |d|; a NaN counts as infinite

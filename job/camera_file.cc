@@ -75,6 +75,8 @@ Camera CameraOf(const Entry& entry) {
   camera.world_from_camera =
       glm::mat4(glm::vec4(glm::normalize(pose.right), 0), glm::vec4(glm::normalize(pose.up), 0),
                 glm::vec4(glm::normalize(pose.forward), 0), glm::vec4(pose.eye, 1));
+  // A film of the photograph's shape shows just what that does; another one shows more.
+  camera.film_width = int(p.width), camera.film_height = int(p.height);
   camera.window = ScreenWindow{.left = float(-p.center_x / p.focal_x),
                                .right = float((p.width - p.center_x) / p.focal_x),
                                .bottom = float((p.center_y - p.height) / p.focal_y),
@@ -390,10 +392,6 @@ void TakeCameraOfFile(JobRequest& request, std::vector<std::string>& warnings) {
   for (std::string& line : WarningLines(found)) warnings.push_back(std::move(line));
   request.width = request.width.value_or(read.width);
   request.height = request.height.value_or(read.height);
-  // A film of the photograph's shape shows just what that does; another one shows more.
-  const auto side = [](int a, int b) { return std::int64_t{a} * b; };
-  read.camera.square_pixels =
-      side(*request.width, read.height) != side(*request.height, read.width);
   request.camera.placed = read.camera;
 }
 

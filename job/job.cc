@@ -57,6 +57,16 @@ StrategyUse UseOf(const RenderOptions& options, std::uint32_t light_samples) {
           .starts_light_paths = Describe(options.integrator).has_light_paths()};
 }
 
+// Throws if there are too many local lights for each to take a sample.
+void CheckSelection(const LocalLightView& lights, const RenderOptions& options) {
+  if (options.light_selection != LightSelection::kAll || lights.count <= kMostOfEach) return;
+  throw OptionError("light-selection", "all",
+                    fmt::format("takes a sample of each local light at every surface, of at most "
+                                "{}; the scene has {}, triangles that shine counted: use "
+                                "`light-selection power`",
+                                kMostOfEach, lights.count));
+}
+
 // Throws unless a strategy can be used. `environment`: whether there is light in the map.
 void CheckStrategy(const EnvStrategy& strategy, const std::string& specification, bool environment,
                    const RenderOptions& options) {
@@ -281,6 +291,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   if (Sums(options().aovs, AovSum::kMatte) || Sums(options().aovs, AovSum::kNearestHit)) {
     names_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
   }
+  CheckSelection(local_lights().view(), options());
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());

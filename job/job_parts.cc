@@ -308,9 +308,9 @@ std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
 std::shared_ptr<const StrategyTables> JobParts::Tables(
     const JobRequest& request, const std::string& specification, const StrategyUse& use,
     const LoadedLight& light, const std::shared_ptr<const PlacedMap>& map) const {
-  const std::string key =
-      fmt::format("{} strategy {} {} {} {}", PlacedKey(request, light), specification, use.mis,
-                  use.light_samples, use.starts_light_paths);
+  std::string key = fmt::format("{} strategy {} {} {} {}", PlacedKey(request, light), specification,
+                                use.mis, use.light_samples, use.starts_light_paths);
+  for (const std::string& file : FilesOfStrategy(specification)) key += " " + Stamp(file);
   return Get<StrategyTables>(key, [&] {
     return std::make_shared<StrategyTables>(
         StrategyTables{map, MakeStrategy(specification, map->map, use)});

@@ -207,9 +207,18 @@ JobOption OfJob(const RenderOption& own) {
 }
 
 bool Splits(Integrator integrator) { return Takes(integrator, "split"); }
+bool ContinuesPaths(Integrator integrator) {
+  return Splits(integrator) && !Describe(integrator).direct_light_only;
+}
 bool TakesLightSamples(Integrator integrator) {
   const IntegratorDescriptor& descriptor = Describe(integrator);
   return descriptor.light_samples == LightSamples::kRequested || Splits(integrator);
+}
+
+// Light paths leave one light each.
+bool SelectsLights(Integrator integrator) {
+  const IntegratorDescriptor& descriptor = Describe(integrator);
+  return descriptor.light_samples != LightSamples::kNone && !descriptor.has_light_paths();
 }
 
 std::string_view SceneHelp() {
@@ -253,8 +262,11 @@ std::vector<JobOption> CommonRows() {
           FIELD(environment.up_axis), Axes()),
     Plain({.name = "mis", .group = kLight, .help = "combine light and BSDF samples by multiple importance sampling; without: light samples alone", .scope = kPixels, .example = "--no-mis"},
           FIELD(options.mis), Switches()),
-    Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
+    Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: of the first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
+
+    Plain({.name = "light-selection", .group = kLight, .help = "lights that a surface takes samples of: by power, one with all equally likely, or all, a sample of each local light beside those of the map", .scope = kPixels, .example = "lamps --light-selection all", .applies = SelectsLights},
+          FIELD(options.light_selection), NamesOfEnum<LightSelection>()),
 
     Plain({.name = "link", .group = kLight, .help = "surfaces on which a light shines, or with ! those on which it does not: lights have the names of their layers (--aovs lights), surfaces those of materials or meshes; several are separated by ;", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --link 'environment:!ground'", .default_text = "all", .metavar = "LIGHT:[!]NAME,NAME...", .most_values = kMostLinks, .delimiter = ';'},
           FIELD(links), Texts("LIGHT:[!]NAME,NAME...")),
@@ -319,7 +331,7 @@ std::vector<JobOption> CommonRows() {
 
     FromScene({.name = "max-depth", .group = kPaths, .help = "largest number of surfaces at which a path scatters", .scope = kPixels, .example = "--max-depth 2"},
           FIELD(max_depth), Numbers(0u, kMaxDepth)),
-    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples after the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
+    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples after the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = ContinuesPaths},
           FIELD(continuation_strategy), Texts("a strategy")),
   };
   // clang-format on

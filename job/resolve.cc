@@ -163,7 +163,8 @@ void CheckResolved(const JobRequest& request) {
   if (options.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples per pixel show nothing");
   }
-  if (options.bsdf_samples == 0 && !request.continuation_strategy.empty()) {
+  const bool goes_on = options.bsdf_samples > 0 && !Describe(options.integrator).direct_light_only;
+  if (!goes_on && !request.continuation_strategy.empty()) {
     throw OptionError("continuation-strategy", "",
                       "belongs to paths that split at their first hit: give `split S` as well");
   }

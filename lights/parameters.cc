@@ -15,12 +15,6 @@ namespace {
   throw OptionError("strategy", "", reason);
 }
 
-const std::string& TextValue(const StrategyValues& values, std::string_view key) {
-  return std::find_if(values.begin(), values.end(),
-                      [&](const auto& value) { return value.first == key; })
-      ->second;
-}
-
 // Returns nothing for a text that is not a number or out of range.
 std::optional<double> ParseNumber(std::string_view text, double low, double high) {
   double value = 0;
@@ -31,6 +25,12 @@ std::optional<double> ParseNumber(std::string_view text, double low, double high
 }
 
 }  // namespace
+
+const std::string& TextValue(const StrategyValues& values, std::string_view key) {
+  return std::find_if(values.begin(), values.end(),
+                      [&](const auto& value) { return value.first == key; })
+      ->second;
+}
 
 bool BoolValue(const StrategyValues& values, std::string_view key) {
   const std::string& text = TextValue(values, key);

@@ -36,6 +36,7 @@ double NumberValue(const StrategyValues& values, std::string_view key, double lo
 // Returns the number in "auto:NUMBER", or nothing for a text that does not begin with auto.
 std::optional<double> AutoValue(const StrategyValues& values, std::string_view key, double low,
                                 double high);
+const std::string& TextValue(const StrategyValues& values, std::string_view key);
 std::size_t ChoiceValue(const StrategyValues& values, std::string_view key,
                         std::span<const std::string_view> choices);
 

@@ -3,7 +3,7 @@
 // trace rays are in wavefront/rays/embree_rays.h.
 #pragma once
 
-#if __has_include(<embree4/rtcore.h>) && SKYWAVE_EMBREE != 3
+#if SKYWAVE_EMBREE == 4
 #include <embree4/rtcore.h>
 namespace skywave {
 inline constexpr RTCSceneFlags kFiltersOfCalls = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <map>
@@ -159,6 +160,19 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
   shared_ = MakeChoice(power_, std::max(units, std::uint32_t(2 * lights_.size())));
   power_ = {};
 
+  const std::vector<double> alike(lights_.size(), 1.0);
+  const auto places = double(lights_.size() + (environment_power > 0 ? 1 : 0));
+  alike_alone_ = MakeChoice(alike, kChoiceUnits);
+  alike_shared_ =
+      MakeChoice(alike, std::uint32_t(std::lround(double(lights_.size()) / places * kChoiceUnits)));
+  if (lights_.size() <= kMostOfEach) {
+    only_.assign(lights_.size() + 1, 0);
+    only_.resize(2 * lights_.size() + 1, kChoiceUnits);
+    // Powers of two, so that probability times picks is exactly 1.
+    const std::uint32_t of_each = kChoiceUnits / std::bit_ceil(std::uint32_t(lights_.size()));
+    for (std::uint32_t i = 0; i <= lights_.size(); ++i) each_.push_back(i * of_each);
+  }
+
   const double near = 0.01 * radius;
   const double lit = channel_power_ / (4 * kPi * near * near) / kPi;
   if (std::isfinite(lit)) brightest_ = std::max(brightest_, float(std::min(lit, 1e30)));
@@ -174,6 +188,11 @@ LocalLightView LocalLights::view() const {
           .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
           .alone = choice(alone_),
           .shared = choice(shared_),
+          .alike_alone = choice(alike_alone_),
+          .alike_shared = choice(alike_shared_),
+          .only = only_.empty() ? nullptr : only_.data(),
+          .each = {each_.empty() ? nullptr : each_.data(), 1},
+          .each_samples = float(std::bit_ceil(std::uint32_t(lights_.size()))),
           .has_alpha = has_alpha_,
           .emission_texture = emission_texture_.empty() ? nullptr : emission_texture_.data(),
           .textures = textures_,
@@ -182,7 +201,8 @@ LocalLightView LocalLights::view() const {
 
 std::size_t LocalLights::bytes() const {
   return lights_.size() * sizeof(LocalLight) +
-         (light_of_triangle_.size() + alone_.size() + shared_.size() + emission_texture_.size()) *
+         (light_of_triangle_.size() + emission_texture_.size() + alone_.size() + shared_.size() +
+          alike_alone_.size() + alike_shared_.size() + only_.size() + each_.size()) *
              sizeof(std::uint32_t) +
          shapes_.bytes();
 }

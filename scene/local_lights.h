@@ -54,7 +54,8 @@ class LocalLights {
   TextureView textures_ = {};                    // the textures of the geometry
   LightShapeTables shapes_;
   bool has_alpha_ = false;
-  std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
+  // LightChoice::first of the choices of LocalLightView.
+  std::vector<std::uint32_t> alone_, shared_, alike_alone_, alike_shared_, only_, each_;
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
   std::vector<double> power_;  // luminance of each light
   double channel_power_ = 0;   // sum over lights in the brightest channel

@@ -82,8 +82,10 @@ struct Camera {
   float fov_degrees = 45.0f;           // angle of a screen window's [-1, 1], of a fisheye's circle
   std::optional<ScreenWindow> window;  // unset: [-1, 1] on the shorter side of the film
   // A film of another shape than the window shows all of it and more on two sides, so that pixels
-  // are squares. Otherwise the window is stretched.
+  // are squares. Otherwise the window is stretched over the film.
   bool square_pixels = false;
+  // The film of a photograph [pixels]: only that shape is stretched. 0: every shape is.
+  int film_width = 0, film_height = 0;
   // The lens of perspective and orthographic cameras, in camera space. The plane at the focal
   // distance is sharp; with a radius of 0 everything is.
   float lens_radius = 0;

@@ -83,6 +83,7 @@ void AddCamera(const Camera& camera, Hash& hash) {
   hash.Add(camera.kind), hash.Add(camera.world_from_camera), hash.Add(camera.fov_degrees);
   if (camera.window) hash.Add(*camera.window);
   if (camera.square_pixels) hash.Add(camera.square_pixels);
+  if (camera.film_width > 0) hash.Add(camera.film_width), hash.Add(camera.film_height);
   hash.Add(camera.lens_radius), hash.Add(camera.focal_distance);
 }
 

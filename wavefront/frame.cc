@@ -39,11 +39,17 @@ LightShares FrameView::light_shares() const {
   LightShares shares;
   shares.plan = has_environment() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};
   if (local_lights.count == 0) return shares;
+  const LightSelection selection = options.light_selection;
+  if (selection == LightSelection::kAll) {
+    shares.each = local_lights.count;
+    return shares;
+  }
+  const bool alike = selection == LightSelection::kOne;
   if (shares.plan.drawn > 0) {
-    shares.local = local_lights.shared;
+    shares.local = alike ? local_lights.alike_shared : local_lights.shared;
     shares.of_strategy = 1 - shares.local.share;
   } else {
-    shares.local = local_lights.alone;
+    shares.local = alike ? local_lights.alike_alone : local_lights.alone;
     shares.plan.drawn = light_samples();
   }
   return shares;
@@ -124,7 +130,9 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
     pixel_x = unit * (double(w.right) - w.left) / width;
     pixel_y = unit * (double(w.top) - w.bottom) / height;
     left = unit * w.left, top = unit * w.top;
-    if (camera.square_pixels) {
+    const bool other_film =
+        std::int64_t{width} * camera.film_height != std::int64_t{height} * camera.film_width;
+    if (camera.square_pixels || (camera.film_width > 0 && other_film)) {
       pixel_x = pixel_y = std::max(pixel_x, pixel_y);
       left = 0.5 * (unit * (double(w.left) + w.right) - pixel_x * width);
       top = 0.5 * (unit * (double(w.top) + w.bottom) + pixel_y * height);

@@ -31,6 +31,18 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
+// Which lights a surface takes samples of.
+enum class LightSelection {
+  kPower,  // as many as asked for, of local lights and the map by their power
+  kOne,    // likewise, with all of them equally likely (T 4.2.1, SAMPLE_ONE)
+  kAll     // one of each local light, and those of the map (SAMPLE_ALL)
+};
+template <>
+inline constexpr auto kEnumNames<LightSelection> =
+    std::to_array<Named<LightSelection>>({{LightSelection::kPower, "power"},
+                                          {LightSelection::kOne, "one"},
+                                          {LightSelection::kAll, "all"}});
+
 struct RenderOptions {
   int width = 640, height = 480;        // size of the picture
   int film_width = 0, film_height = 0;  // 0: the picture is the whole film
@@ -46,6 +58,7 @@ struct RenderOptions {
   // BSDF samples of the first surface with a density, each of which goes on as a path; 0: one, by
   // the path itself.
   std::uint32_t bsdf_samples = 0;
+  LightSelection light_selection = LightSelection::kPower;
   bool mis = true;
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
@@ -79,14 +92,38 @@ inline std::uint32_t LightSamplesOf(const RenderOptions& options) {
   return all ? options.light_samples : 1;
 }
 
-// The light samples of a surface are those that the strategy plans. Each drawn sample goes to a
-// local light or to the strategy, as `local` decides. If the strategy draws none, there are drawn
-// samples for local lights alone.
+// The light samples of a surface are those that the strategy plans, its fixed ones first; `each`
+// local lights take one of their own between these and the drawn ones. Where they take none, each
+// drawn sample goes to a local light or to the strategy, as `local` decides; if the strategy draws
+// none, there are drawn samples for local lights alone.
 struct LightShares {
   LightPlan plan;
-  LightChoice local;      // share 0: there are no local lights
+  std::uint32_t each = 0;
+  LightChoice local;      // share 0: there are no local lights, or each takes its own
   float of_strategy = 1;  // its share of the drawn samples
   float strategy_samples(std::uint32_t requested) const { return float(requested) * of_strategy; }
+  std::uint32_t total() const { return plan.total() + each; }
+  std::uint32_t first_drawn() const { return plan.fixed + each; }
+  // Whether light sample `index` is that of local light `index` - plan.fixed.
+  bool is_of_each(std::uint32_t index) const {
+    return index >= plan.fixed && index < first_drawn();
+  }
+  // Returns how light sample `index` picks a local light, and how often surfaces do.
+  LightChoice ChoiceOf(const LocalLightView& lights, std::uint32_t index) const {
+    if (index >= first_drawn()) return local;
+    if (index < plan.fixed) return {};
+    return {lights.only + lights.count - (index - plan.fixed), 1};
+  }
+  float local_samples(std::uint32_t index) const {
+    return index >= first_drawn() ? float(plan.drawn) : 1;
+  }
+  // Returns the same of rays that hit local lights, whichever sample could have found these.
+  LightChoice ChoiceOfHits(const LocalLightView& lights) const {
+    return each > 0 ? lights.each : local;
+  }
+  float hit_samples(const LocalLightView& lights) const {
+    return each > 0 ? lights.each_samples : float(plan.drawn);
+  }
 };
 
 // The const view that stages take. It lives as long as the objects that it points to.

@@ -1,9 +1,9 @@
 """A hall with a table, and objects to put on it: as pbrt files and as data for Cycles.
 
-World: y up, left-handed as in pbrt. The hall is a thousand times as large as the objects, so that its
-light comes from far away, as that of a light probe does. (In a hall of a tenth of that, the errors
-at the edges of shadows are those of the probe: the lamp is not where it is seen from the middle.)
-"""
+World: y up, left-handed as in pbrt. The hall is a thousand times as large as the objects, so that
+its light comes from far away, as that of a light probe does. (In a hall of a tenth of that, the
+errors at the edges of shadows are those of the probe: the lamp is not where it is seen from the
+middle.)"""
 
 EYE, TARGET, FIELD_OF_VIEW = (0.3, 1.5, -3.2), (0, 0.2, 0), 34
 HALF = 300                  # of the hall
@@ -69,7 +69,8 @@ def table(name):
     kind = ('"string type" "diffuse"' if described["coat"] is None else
             f'"string type" "coateddiffuse" "float roughness" {described["coat"] ** 2:g} '
             '"float eta" 1.5 "float thickness" 0')
-    text += f'MakeNamedMaterial "table" {kind} "texture reflectance" "tiles"\nNamedMaterial "table"\n'
+    text += (f'MakeNamedMaterial "table" {kind} "texture reflectance" "tiles"\n'
+             'NamedMaterial "table"\n')
     half = TABLE_HALF
     return text + quad((-half, 0, -half), (0, 0, 2 * half), (2 * half, 0, 0),
                        ' "point2 uv" [0 0 0 1 1 1 1 0]')
@@ -84,8 +85,8 @@ def balls():
                      f'{ball["roughness"]:g} "bool remaproughness" false\n')
         else:
             text += f'Material "diffuse" "rgb reflectance" [{color}]\n'
-        text += (f'AttributeBegin Translate {numbers(ball["centre"])} Shape "sphere" "float radius" '
-                 f'{ball["radius"]}\nAttributeEnd\n')
+        text += (f'AttributeBegin Translate {numbers(ball["centre"])} '
+                 f'Shape "sphere" "float radius" {ball["radius"]}\nAttributeEnd\n')
     return text
 
 

@@ -14,7 +14,7 @@ def ours(runs, reference_mse=0.0):
         return None
     result = {"seconds": median(run["seconds"] for run in runs),
               "table_seconds": median(run["table_seconds"] for run in runs), "runs": runs}
-    for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
+    for key in ("mse", "relative_mse", "squared_channel_sum", "thesis_luminance"):
         result[key] = mean(run[key] for run in runs)
     result["squared_distance"] = 3 * (result["mse"] - reference_mse)
     light = [run["light_error"] for run in runs if "light_error" in run]

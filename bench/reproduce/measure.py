@@ -163,7 +163,7 @@ class Session:
         result = {"seed": seed, "seconds": render,
                   "table_seconds": stats["seconds"]["tables"],
                   "shadow_rays": stats["rays"]["shadow"]["count"]}
-        for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
+        for key in ("mse", "relative_mse", "squared_channel_sum", "thesis_luminance"):
             result[key] = errors[key]
         own = light_references.get(row.recipe.samples)
         if own:

@@ -50,7 +50,7 @@ def figures_table(rows, of_thesis):
             cells += [number(thesis["seconds"], 6), number(thesis.get("squared_distance"), 6),
                       number(thesis.get("thesis_luminance"), 6)]
         cells += [number(mine.get("seconds")), number(mine.get("squared_distance"), 4),
-                  number(mine.get("thesis_euclidean"), 4), number(mine.get("thesis_luminance"), 4)]
+                  number(mine.get("squared_channel_sum"), 4), number(mine.get("thesis_luminance"), 4)]
         cells += [number(mine.get("relative_mse"), 4)] * photons
         cells.append(number(mine.get("light_error"), 4))
         lines.append(cells)

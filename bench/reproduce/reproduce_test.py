@@ -117,7 +117,7 @@ class Figures(unittest.TestCase):
 
     def test_noise_of_the_reference_is_taken_off(self):
         run = {"seconds": 1, "table_seconds": 0, "mse": 5, "relative_mse": 1,
-               "thesis_euclidean": 1, "thesis_luminance": 1}
+               "squared_channel_sum": 1, "thesis_luminance": 1}
         self.assertEqual(figures.ours([run, run], 2)["squared_distance"], 9)
 
 
@@ -150,7 +150,7 @@ class Resume(unittest.TestCase):
             options = reproduce.parse(["8.2", "--data", folder, "--program", sys.executable, "-o",
                                        folder, "--size", "80x60", "--resume"])
             run = {"seconds": 1, "table_seconds": 0, "mse": 1, "relative_mse": 1,
-                   "thesis_euclidean": 1, "thesis_luminance": 1}
+                   "squared_channel_sum": 1, "thesis_luminance": 1}
             summary = figures.summarize(TABLES["8.2"], {"5": [run, run]})
             summary.update(reference=facts, settings={
                 "size": "80x60", "threads": "all", "version": "1",

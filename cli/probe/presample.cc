@@ -1,10 +1,10 @@
 // Implements skywave probe presample: a sample set with cells and energies.
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "base/files.h"
 #include "cli/print.h"
 #include "cli/probe/commands.h"
+#include "lights/light_sets/light_file.h"
 #include "lights/probe/plot.h"
 
 namespace skywave {
@@ -16,38 +16,16 @@ struct PresampleFlags {
   std::string output, cells;
 };
 
-nlohmann::ordered_json Json(const PresampleFlags& flags, const SphereMap& map,
-                            const ProbeLights& lights) {
-  nlohmann::ordered_json json;
-  json["schema"] = "skywave-presample-1";
-  json["source"] = flags.map.path;
-  json["width"] = map.width;
-  json["height"] = map.height;
-  json["method"] = ToString(flags.request.lights.source);
-  json["axes"] = {"right", "forward", "up"};
-  json["map_energy"] = lights.map_energy;
-  json["energy"] = lights.lights_energy;
-  json["samples"] = nlohmann::ordered_json::array();
-  for (const DirectionalLight& light : lights.set.lights) {
-    double u, v;
-    UvOfDirection(light.direction, u, v);
-    json["samples"].push_back(
-        {{"uv", {u, v}},
-         {"direction", {light.direction.x, light.direction.y, light.direction.z}},
-         {"irradiance", light.irradiance},
-         {"energy", light.energy},
-         {"solid_angle", light.solid_angle},
-         {"probability", light.energy / lights.lights_energy}});
-  }
-  return json;
-}
-
 int PresampleMain(PresampleFlags& flags) {
   CheckOutputs(std::array{flags.output, flags.cells}, std::array{flags.map.path});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   const ProbeLights lights = MakeProbeLights(map, flags.request);
-  WriteFileAtomically(flags.output, Json(flags, map, lights).dump(1) + "\n");
+  WriteFileAtomically(flags.output,
+                      LightFileText(lights.set, map.width, map.height,
+                                    {.source = flags.map.path,
+                                     .method = std::string(ToString(flags.request.lights.source)),
+                                     .map_energy = lights.map_energy}));
   if (!flags.cells.empty()) {
     WritePng(flags.cells, map.width, map.height, CellColors(lights.set.cell_of_texel));
   }
@@ -79,7 +57,11 @@ Command ProbePresampleCommand() {
       .summary = "A sample set with cells and energies",
       .footer =
           "The method is penrose and the position is sample by default.\n\n"
-          "Example:\n  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png",
+          "Examples:\n"
+          "  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png\n"
+          "  skywave render spheres --env sky.exr --strategy presampled:file=set.json\n"
+          "  skywave probe presample sky.exr -n 64 --strata variation -o bright.json\n"
+          "  skywave render spheres --env sky.exr --strategy hybrid:file=bright.json",
       .run = [flags](const GivenOptions&) { return PresampleMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));

@@ -49,13 +49,22 @@ struct LightChoice {
   float share = 0;                       // 2^-24 times the last entry
 };
 
+// As many lights can each take a light sample of every surface.
+inline constexpr std::uint32_t kMostOfEach = 4096;
+
 struct LocalLightView {
   const LocalLight* lights = nullptr;
   std::uint32_t count = 0;
   // The light of every triangle record of the scene, or kNoLight; null if no triangle emits.
   const std::uint32_t* light_of_triangle = nullptr;
-  LightChoice alone;       // share 1: for light samples of local lights only
-  LightChoice shared;      // with the map's strategy, by power; share 1 without a map
+  LightChoice alone;   // share 1: for light samples of local lights only, by power
+  LightChoice shared;  // with the map's strategy, by power; share 1 without a map
+  LightChoice alike_alone, alike_shared;  // likewise, each light and the map equally often
+  // Choice of the one light k: first = only + count - k, share 1. Null for more than kMostOfEach.
+  const std::uint32_t* only = nullptr;
+  // The density of hits if each light takes a sample is that of `each_samples` picks by `each`.
+  LightChoice each;
+  float each_samples = 1;
   bool has_alpha = false;  // true if rays may pass through some triangles
   // Row in the texture table + 1 per light, 0 for none; null if no emission has a texture. Light
   // samples and rays that hit the triangle both read level 0, so they see the same light.

@@ -10,6 +10,8 @@
 #include "lights/light_sets/median_cut.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/light_sets/polyomino.h"
+#include "lights/light_sets/relaxed_samples.h"
+#include "lights/light_sets/structured.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/light_sets/voronoi.h"
 #include "lights/tables/max_pyramid.h"
@@ -23,6 +25,7 @@ constexpr StrategyParameter kLightParameters[] = {
     {"lights", "64",
      "number of lights before clustering, or auto:BIAS: as many as that bias needs"},
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
+    {"longest", "angle", "sides that median cut compares: angle on the sphere, or uv (T 6.2)"},
     {"lloyd", "0", "energy-weighted Lloyd steps"},
     {"cluster", "none", "merge lights pairwise by F1 (number), F2 (energy) or F3 (luminance)"},
     {"clusters", "0", "merge until this many are left; 0: no such limit"},
@@ -30,15 +33,23 @@ constexpr StrategyParameter kLightParameters[] = {
      "merge until lights are at least this far apart [degrees]; 0: no such limit"},
 };
 
-std::vector<Region> CutRegions(const SphereMap& map, const LightOptions& options) {
-  return options.source == LightSource::kMedianCut ? MedianCut(map, options.lights)
-                                                   : VarianceCut(map, options.lights);
+// Returns whether the lights are placed as points, whose cells are those nearest to them; the
+// others cut the map into cells.
+bool PlacesPoints(LightSource source) {
+  return source == LightSource::kPenrose || source == LightSource::kPolyomino ||
+         source == LightSource::kKMeans || source == LightSource::kKolligKeller;
 }
 
-// Returns whether the lights are placed as points, whose cells are those nearest to them, and not
-// as rectangles.
-bool PlacesPoints(LightSource source) {
-  return source == LightSource::kPenrose || source == LightSource::kPolyomino;
+LightSet CutLights(const SphereMap& map, const LightOptions& options, LightPosition position) {
+  if (options.source == LightSource::kStructured) {
+    PlacedCells cut = StructuredCells(map, options.lights);
+    return LightsOfCells(map, std::move(cut.cell_of_texel), cut.samples, position);
+  }
+  const std::vector<Region> regions =
+      options.source == LightSource::kMedianCut
+          ? MedianCut(map, options.lights, {.scale_width = options.longest == LongestSide::kAngle})
+          : VarianceCut(map, options.lights);
+  return LightsOfRegions(map, regions, position);
 }
 
 std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& options) {
@@ -49,10 +60,13 @@ std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& opti
   if (options.source == LightSource::kPolyomino) {
     return Directions(PolyominoSamples(map, options.lights, options.seed));
   }
+  if (options.source == LightSource::kKMeans) {
+    return KMeansSamples(map, options.lights, options.seed);
+  }
+  if (options.source == LightSource::kKolligKeller) return KolligKellerSamples(map, options.lights);
   std::vector<Vector3> samples;
-  const LightSet rectangles =
-      LightsOfRegions(map, CutRegions(map, options), LightPosition::kCentroid);
-  for (const DirectionalLight& light : rectangles.lights) samples.push_back(light.direction);
+  const LightSet cut = CutLights(map, options, LightPosition::kCentroid);
+  for (const DirectionalLight& light : cut.lights) samples.push_back(light.direction);
   return samples;
 }
 
@@ -111,7 +125,7 @@ LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
   if (map.energy <= 0) return {{}, CellMap(map.texels(), kNoCell)};
   if (options.bias) return BuildForBias(map, options);
   const bool points = PlacesPoints(options.source) || options.cluster || options.lloyd_steps > 0;
-  if (!points) return LightsOfRegions(map, CutRegions(map, options), options.position);
+  if (!points) return CutLights(map, options, options.position);
   std::vector<Vector3> samples = PlaceSamples(map, options);
   if (options.cluster) samples = Cluster(map, samples, options);
   return VoronoiLights(map, std::move(samples), options.position, options.lloyd_steps);
@@ -119,9 +133,8 @@ LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
 
 std::span<const StrategyParameter> LightParameters() { return kLightParameters; }
 
-LightSource ReadLightSource(const StrategyValues& values) {
-  return kEnumNames<LightSource>[ChoiceValue(values, kFromParameter.key, NamesOf<LightSource>())]
-      .value;
+LightSource ReadLightSource(const StrategyValues& values, std::string_view key) {
+  return kEnumNames<LightSource>[ChoiceValue(values, key, NamesOf<LightSource>())].value;
 }
 
 LightOptions ReadLightOptions(const StrategyValues& values) {
@@ -130,6 +143,8 @@ LightOptions ReadLightOptions(const StrategyValues& values) {
   if (!options.bias) options.lights = IntValue(values, "lights", 1, kMostLights);
   options.position =
       kEnumNames<LightPosition>[ChoiceValue(values, "position", NamesOf<LightPosition>())].value;
+  options.longest =
+      kEnumNames<LongestSide>[ChoiceValue(values, "longest", NamesOf<LongestSide>())].value;
   options.lloyd_steps = IntValue(values, "lloyd", 0, 1000);
   constexpr std::string_view kClusters[] = {"none", "F1", "F2", "F3"};
   options.cluster = Parse<ClusterFrequency>(kClusters[ChoiceValue(values, "cluster", kClusters)]);

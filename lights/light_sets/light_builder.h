@@ -14,7 +14,21 @@
 
 namespace skywave {
 
-enum class LightSource { kPenrose, kPolyomino, kMedianCut, kVarianceCut };
+enum class LightSource {
+  kPenrose,
+  kPolyomino,
+  kMedianCut,
+  kVarianceCut,
+  kStructured,
+  kKMeans,
+  kKolligKeller
+};
+
+// The sides of a region that median cut compares, to cut across the longer one.
+enum class LongestSide {
+  kAngle,  // on the sphere (Debevec 2005)
+  kUv,     // in (u, v) (T 6.2)
+};
 
 struct LightOptions {
   LightSource source = LightSource::kPenrose;
@@ -22,10 +36,12 @@ struct LightOptions {
   // Set: `lights` is chosen so that the bias of the lights (LightBias) is at most this.
   std::optional<double> bias;
   LightPosition position = LightPosition::kCentroid;
+  LongestSide longest = LongestSide::kAngle;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
-  ClusterStop stop;        // used if cluster is set
-  std::uint64_t seed = 1;  // of a tiling: other seeds give other patterns of the same quality
+  ClusterStop stop;  // used if cluster is set
+  // Of a tiling, or of where k-means starts: others give other patterns of the same quality.
+  std::uint64_t seed = 1;
 };
 
 template <>
@@ -33,7 +49,13 @@ inline constexpr auto kEnumNames<LightSource> =
     std::to_array<Named<LightSource>>({{LightSource::kPenrose, "penrose"},
                                        {LightSource::kPolyomino, "polyomino"},
                                        {LightSource::kMedianCut, "median-cut"},
-                                       {LightSource::kVarianceCut, "variance-cut"}});
+                                       {LightSource::kVarianceCut, "variance-cut"},
+                                       {LightSource::kStructured, "structured"},
+                                       {LightSource::kKMeans, "k-means"},
+                                       {LightSource::kKolligKeller, "kollig-keller"}});
+template <>
+inline constexpr auto kEnumNames<LongestSide> =
+    std::to_array<Named<LongestSide>>({{LongestSide::kAngle, "angle"}, {LongestSide::kUv, "uv"}});
 template <>
 inline constexpr auto kEnumNames<LightPosition> =
     std::to_array<Named<LightPosition>>({{LightPosition::kSample, "sample"},
@@ -61,9 +83,14 @@ std::string NoteOfLights(const LightSet& set);
 // lights from any source have `kFromParameter` too.
 std::span<const StrategyParameter> LightParameters();
 inline constexpr StrategyParameter kFromParameter = {
-    "from", "penrose", "who places the lights: penrose, polyomino, median-cut or variance-cut"};
+    "from", "penrose", "who places the lights: penrose or another strategy of directional lights"};
+
+// A file of lights, or of cells, in place of those of `from`.
+inline constexpr StrategyParameter kFileParameter = {
+    "file", "", "lights of a file, as probe presample writes it, in place of those of from"};
 
 LightOptions ReadLightOptions(const StrategyValues& values);
-LightSource ReadLightSource(const StrategyValues& values);
+LightSource ReadLightSource(const StrategyValues& values,
+                            std::string_view key = kFromParameter.key);
 
 }  // namespace skywave

@@ -46,6 +46,9 @@ ProbeLights MakeProbeLights(const SphereMap& map, const LightRequest& request) {
     result.strata = DivideMap(map, *request.strata);
     const Image bright = StratumImage(map, *result.strata, true);
     result.set = BuildLights(MakeSphereMap(bright), request.lights);
+    for (std::size_t i = 0; i < map.texels(); ++i) {
+      if (result.strata->in_a[i] == 0) result.set.cell_of_texel[i] = kNoCell;
+    }
     result.residual = StratumImage(map, *result.strata, false);
     result.residual_energy = MakeSphereMap(result.residual).energy;
   }

@@ -20,7 +20,7 @@ struct LightRequest {
 };
 
 struct ProbeLights {
-  LightSet set;                  // cells over the whole map
+  LightSet set;                  // with strata, only texels of A have cells
   std::optional<Strata> strata;  // if requested
   Image residual;                // stratum B; empty if there are no strata
   double map_energy = 0, lights_energy = 0, residual_energy = 0;

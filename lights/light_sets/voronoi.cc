@@ -162,15 +162,19 @@ CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples) {
   return std::move(diagram.cells);
 }
 
+std::vector<Vector3> LloydStep(const SphereMap& map, std::span<const Vector3> samples) {
+  const std::vector<CellSums> cells =
+      SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
+  std::vector<Vector3> moved(samples.begin(), samples.end());
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    moved[i] = NormalizeOr(cells[i].energy_moment, cells[i].energy, moved[i]);
+  }
+  return moved;
+}
+
 LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
                        int lloyd_steps) {
-  for (int step = 0; step < lloyd_steps; ++step) {
-    const std::vector<CellSums> cells =
-        SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      samples[i] = NormalizeOr(cells[i].energy_moment, cells[i].energy, samples[i]);
-    }
-  }
+  for (int step = 0; step < lloyd_steps; ++step) samples = LloydStep(map, samples);
   return LightsOfCells(map, VoronoiCells(map.width, map.height, samples), samples, position);
 }
 

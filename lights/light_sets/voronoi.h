@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "lights/tables/cells.h"
 
@@ -17,8 +18,12 @@ namespace skywave {
 // cells times the texels. Runs in parallel; the result does not depend on the threads.
 CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples);
 
+// Moves every sample to the energy centroid of its Voronoi cell; samples whose cell has no energy
+// stay.
+std::vector<Vector3> LloydStep(const SphereMap& map, std::span<const Vector3> samples);
+
 // Makes the Voronoi cells of samples (unit vectors) and their lights; before that, `lloyd_steps`
-// times, every sample moves to its cell's energy centroid (Kollig and Keller 2003). Samples whose
+// times, the samples make a step of Lloyd (Kollig and Keller 2003). Samples whose
 // cell has no energy are dropped, so there can be fewer lights than samples.
 LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
                        int lloyd_steps = 0);

@@ -72,6 +72,23 @@ StrategyFactory VarianceCutFactory() {
           MakeLights<LightSource::kVarianceCut>};
 }
 
+StrategyFactory StructuredFactory() {
+  return {"structured",
+          "directional lights of strata by thresholds and distance (Agarwal et al. "
+          "2003)",
+          Parameters(), MakeLights<LightSource::kStructured>};
+}
+
+StrategyFactory KMeansFactory() {
+  return {"k-means", "directional lights by k-means clustering (LightGen, Cohen and Debevec 2001)",
+          Parameters(), MakeLights<LightSource::kKMeans>};
+}
+
+StrategyFactory KolligKellerFactory() {
+  return {"kollig-keller", "directional lights by Lloyd's relaxation (Kollig and Keller 2003)",
+          Parameters(), MakeLights<LightSource::kKolligKeller>};
+}
+
 StrategyFactory PenroseFactory() {
   return {"penrose", "directional lights by the Penrose tiling (Ostromoukhov et al. 2004)",
           Parameters(), MakeLights<LightSource::kPenrose>};

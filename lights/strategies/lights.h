@@ -1,4 +1,5 @@
-// median-cut, variance-cut, penrose, polyomino: the map as N directional lights (T 6.2, 6.3, 7.1).
+// The map as N directional lights: median-cut, variance-cut, penrose, polyomino (T 6.2, 6.3, 7.1),
+// structured, k-means, kollig-keller (T 2.1).
 //
 // Every light carries the irradiance of its cell, so the lights have the energy of the map to
 // rounding. Biased: shadows are those of N suns, and glossy surfaces reflect N points. Rays that
@@ -9,6 +10,8 @@
 //                         relative bias of BIAS, 1e-4 to 1 (lights/light_sets/light_bias.h)
 //   position=centroid     where a light stands in its cell: centroid of its energy, center of its
 //                         area, or sample (the thesis)
+//   longest=angle         sides that median cut compares: by angle on the sphere (Debevec), or uv,
+//                         by their lengths in (u, v) (T 6.2)
 //   lloyd=0               energy-weighted Lloyd steps (Kollig and Keller 2003)
 //   cluster=none          F1, F2 or F3: merge lights pairwise (T 7.4.3), until
 //   clusters=0            so many are left, and
@@ -29,6 +32,8 @@ class LightsStrategy final : public EnvStrategy {
   LightsStrategy(std::string_view name, const EnvironmentMap& map, const LightOptions& options,
                  bool all)
       : LightsStrategy(name, map, BuildLights(MakeSphereMap(map.latlong), options), all) {}
+  LightsStrategy(std::string_view name, const EnvironmentMap& map, const LightSet& lights,
+                 bool all);
 
   std::string_view name() const override { return name_; }
   std::size_t table_bytes() const override { return texels_.bytes() + lights_.bytes(); }
@@ -42,9 +47,6 @@ class LightsStrategy final : public EnvStrategy {
                        const EscapeColumns& rows) const override;
 
  private:
-  LightsStrategy(std::string_view name, const EnvironmentMap& map, const LightSet& lights,
-                 bool all);
-
   std::string_view name_;
   std::string note_;
   Texels texels_;  // black as a light

@@ -74,7 +74,8 @@ void ForEachBsdfRun(const SurfaceRanges& ranges, const EscapeColumns& rows, std:
 
 }  // namespace
 
-ProductStrategy::ProductStrategy(const EnvironmentMap& map, int cells) : texels_(map) {
+ProductStrategy::ProductStrategy(const EnvironmentMap& map, const Image& part, int cells)
+    : texels_(map, part) {
   const Image held = texels_.Held();
   const SphereMap sphere = MakeSphereMap(held);
   const LightSet set = CutCells(sphere, cells);
@@ -130,7 +131,7 @@ void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n
 
 StrategyFactory ProductFactory() {
   static constexpr StrategyParameter kParameters[] = {
-      {"cells", "96", "number of cells that the map is cut into, up to 256"}};
+      {"cells", kDefaultProductCells, "number of cells that the map is cut into, up to 256"}};
   return {
       "product", "cells of the map picked by light times BSDF (Conty Estevez and Lecocq 2018)",
       kParameters,

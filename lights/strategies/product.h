@@ -28,9 +28,14 @@ LightSet CutCells(const SphereMap& map, int cells);
 std::vector<LightCell> MakeLightCells(const SphereMap& map, const LightSet& set,
                                       const std::array<float, 9>& map_from_world);
 
+inline constexpr std::string_view kDefaultProductCells = "96";  // the default
+
 class ProductStrategy final : public EnvStrategy {
  public:
-  ProductStrategy(const EnvironmentMap& map, int cells);
+  ProductStrategy(const EnvironmentMap& map, int cells)
+      : ProductStrategy(map, map.latlong, cells) {}
+  // Only `part` of the map acts as a light.
+  ProductStrategy(const EnvironmentMap& map, const Image& part, int cells);
 
   std::string_view name() const override { return "product"; }
   bool depends_on_surface() const override { return true; }

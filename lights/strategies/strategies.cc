@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "lights/light_sets/light_builder.h"
 #include "lights/strategies/strategy.h"
 
 namespace skywave {
@@ -18,6 +19,9 @@ namespace skywave {
   STRATEGY(Bsdf)                     \
   STRATEGY(MedianCut)                \
   STRATEGY(VarianceCut)              \
+  STRATEGY(Structured)               \
+  STRATEGY(KMeans)                   \
+  STRATEGY(KolligKeller)             \
   STRATEGY(Penrose)                  \
   STRATEGY(Polyomino)                \
   STRATEGY(Presampled)               \
@@ -73,6 +77,19 @@ std::span<const StrategyFactory> Strategies() {
   static const StrategyFactory strategies[] = {SKYWAVE_STRATEGIES(SKYWAVE_MAKE)};
 #undef SKYWAVE_MAKE
   return strategies;
+}
+
+std::vector<std::string> FilesOfStrategy(const std::string& specification) {
+  const std::string key = std::string(kFileParameter.key) + "=";
+  std::vector<std::string> files;
+  for (std::size_t begin = specification.find(':'); begin != std::string::npos;
+       begin = specification.find(',', begin)) {
+    ++begin;
+    if (specification.compare(begin, key.size(), key) != 0) continue;
+    const std::size_t end = specification.find(',', begin);
+    files.push_back(specification.substr(begin + key.size(), end - begin - key.size()));
+  }
+  return files;
 }
 
 bool CanEmit(const EnvStrategy& strategy) {

@@ -114,6 +114,9 @@ struct StrategyFactory {
 
 std::span<const StrategyFactory> Strategies();
 
+// Returns the files that a specification names.
+std::vector<std::string> FilesOfStrategy(const std::string& specification);
+
 // Returns whether light paths can start with the strategy's samples: they need one random sample
 // that depends on no surface and finds all light there is.
 bool CanEmit(const EnvStrategy& strategy);

@@ -1,5 +1,7 @@
 #include "lights/strategies/texels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -7,6 +9,7 @@
 
 #include "base/error.h"
 #include "lights/light_sets/light_builder.h"
+#include "lights/light_sets/light_file.h"
 #include "lights/strategies/importance.h"
 #include "lights/strategies/lights.h"
 
@@ -154,13 +157,31 @@ std::unique_ptr<EnvStrategy> MakeAlias(const EnvironmentMap& map, const Strategy
   return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong.rgb.size() / 3, 0), 1);
 }
 
+// Throws if there is light outside of the cells of a file, where no sample would find it.
+void RequireCells(const SphereMap& light, const LightSet& set, const std::string& file) {
+  for (std::size_t i = 0; i < light.texels(); ++i) {
+    if (set.cell_of_texel[i] != kNoCell || !(light.luminance[i] > 0)) continue;
+    throw InputError(
+        InputPosition::File(file),
+        fmt::format("texel {}, {} of the map has light and no cell: mode=jittered needs "
+                    "cells everywhere, as without --strata",
+                    i % std::size_t(light.width), i / std::size_t(light.width)));
+  }
+}
+
 std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
                                             const StrategyValues& values) {
   constexpr std::string_view kModes[] = {"fixed", "jittered"};
   LightOptions options = ReadLightOptions(values);
   options.source = ReadLightSource(values);
+  const std::string& file = TextValue(values, kFileParameter.key);
+  const auto lights_of = [&](const SphereMap& light) {
+    return file.empty() ? BuildLights(light, options) : ReadLightFile(file, light);
+  };
   if (ChoiceValue(values, "mode", kModes) == 0) {
-    return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
+    return std::make_unique<LightsStrategy>("presampled", map,
+                                            lights_of(MakeSphereMap(map.latlong)),
+                                            /*all=*/false);
   }
   if (options.bias) {
     throw OptionError("strategy", "presampled",
@@ -168,7 +189,9 @@ std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
   }
   // The light that samples will find is cut into cells, so that every texel with light has one.
   const Image held = Texels(map).Held();
-  const LightSet cells = BuildLights(MakeSphereMap(held), options);
+  const SphereMap light = MakeSphereMap(held);
+  const LightSet cells = lights_of(light);
+  if (!file.empty()) RequireCells(light, cells, file);
   // A black map has no cells: one that is all of it is sampled uniformly.
   if (cells.lights.empty()) return MakeAlias(map, values);
   return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
@@ -179,7 +202,8 @@ std::span<const StrategyParameter> PresampledParameters() {
   static const std::vector<StrategyParameter> parameters = [] {
     std::vector<StrategyParameter> all = {
         {"mode", "jittered", "fixed: the cell's light; jittered: a texel of it by importance"},
-        kFromParameter};
+        kFromParameter,
+        kFileParameter};
     all.insert(all.end(), LightParameters().begin(), LightParameters().end());
     for (StrategyParameter& parameter : all) {
       if (parameter.key == "lights")

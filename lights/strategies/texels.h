@@ -9,7 +9,7 @@
 //                  biased, a finite set of directions
 //   mode=jittered  a texel in the cell by importance: unbiased, with a density
 //   lights=360 cells (auto:BIAS with mode=fixed), from=penrose, and the other parameters of
-//   directional lights.
+//   directional lights; or file=FILE, cells that `skywave probe presample` or others have written.
 #pragma once
 
 #include "lights/strategies/strategy.h"

@@ -154,10 +154,10 @@ class Scene:
             return self._set_camera(eye)
         if target is None:
             raise bad_argument("target", "the camera looks somewhere")
-        self._size = None
         with renamed(fov_degrees="fov"):
             self._core.set_camera(_convert.vector(eye, "eye"), _convert.vector(target, "target"),
                                   _convert.vector(up, "up"), _convert.number(fov, "fov"))
+        self._size = None
         return self
 
     def _set_camera(self, camera):

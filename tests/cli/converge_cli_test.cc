@@ -456,11 +456,11 @@ TEST_F(Converge, ErrorsOfARunEqualThoseOfCompare) {
   ASSERT_EQ(Run("compare p.exr r.exr --json c.json").exit_code, 0);
   const Json compared = ReadJson("c.json");
   for (const char* const key : {"mse", "relative_mse", "mean_absolute", "psnr_db",
-                                "thesis_euclidean", "thesis_luminance"}) {
+                                "squared_channel_sum", "thesis_luminance"}) {
     const double expected = compared.at(key);
     EXPECT_NEAR(run.at(key).get<double>() / expected, 1, 1e-6) << key;
   }
-  EXPECT_GT(compared.at("thesis_euclidean").get<double>(),
+  EXPECT_GT(compared.at("squared_channel_sum").get<double>(),
             1.1 * compared.at("thesis_luminance").get<double>());
 }
 

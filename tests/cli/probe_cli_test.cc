@@ -342,6 +342,42 @@ TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   EXPECT_NEAR(map.Pixel(10, 0)[2], 1, 0.01);     // up is blue
 }
 
+// A renderer that reads the cells of the pre-processor makes the picture of one that makes them
+// itself, to the bit where the light of texels is exact: at powers of two.
+TEST_F(ProbeCommand, PresampledCellsGiveThePictureOfThoseThatTheStrategyMakes) {
+  Image map = test::SunMap(64, 32, 1024);
+  for (float& value : map.rgb) value = std::exp2(std::floor(std::log2(value)));
+  WriteExr(File("exact.exr"), map);
+  const auto render = [&](const std::string& strategy) {
+    const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
+                                    " render spheres --env exact.exr --size 24x18 --spp 2 "
+                                    "--integrator direct --light-samples 4 "
+                                    "--no-mis -o out.exr --strategy " +
+                                    strategy + " > out.txt 2>&1")
+                                       .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 0) << ReadFile(File("out.txt"));
+    return ReadImage(File("out.exr")).rgb;
+  };
+  ASSERT_EQ(Probe("presample exact.exr -n 30 -o set.json"), 0) << out_;
+  const std::string own = "lights=30,position=sample";
+  EXPECT_EQ(render("presampled:mode=fixed,file=set.json"), render("presampled:mode=fixed," + own));
+  EXPECT_EQ(render("presampled:file=set.json"), render("presampled:" + own));
+  ASSERT_EQ(Probe("presample exact.exr -n 9 --strata variation -o bright.json"), 0) << out_;
+  EXPECT_EQ(render("hybrid:file=bright.json"), render("hybrid:lights=9,position=sample"));
+  EXPECT_NE(render("hybrid:file=bright.json"), render("hybrid:file=set.json"));
+  // Outside of the bright part no texel has a cell.
+  const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
+                                  " render spheres --env exact.exr --spp 1 --size 8x6 -o out.exr "
+                                  "--strategy presampled:file=bright.json > out.txt 2>&1")
+                                     .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), kExitBadInput);
+  EXPECT_NE(ReadFile(File("out.txt"))
+                .find("bright.json: texel 0, 0 of the map has light and no "
+                      "cell"),
+            std::string::npos)
+      << ReadFile(File("out.txt"));
+}
+
 TEST_F(ProbeCommand, AMapIsNeverOverwritten) {
   const std::string before = ReadFile(File("sun.exr"));
   for (const char* name : {"right", "left", "up", "down", "front", "back"}) {

@@ -36,7 +36,7 @@ TEST(Compare, MatchesAHandCalculation) {
   EXPECT_DOUBLE_EQ(d.rmse, std::sqrt((1 + 4 + 0.25) / 6));
   EXPECT_DOUBLE_EQ(d.relative_mse, (1 / 1.01 + 4 / 9.01 + 0.25 / 0.01) / 6);
   EXPECT_DOUBLE_EQ(d.mean_absolute, 3.5 / 6);
-  EXPECT_DOUBLE_EQ(d.thesis_euclidean, 3.5 * 3.5 / 2);
+  EXPECT_DOUBLE_EQ(d.squared_channel_sum, 3.5 * 3.5 / 2);
   const double luminance = 0.212671 * 1 + 0.715160 * 2 + 0.072169 * 0.5;
   EXPECT_DOUBLE_EQ(d.thesis_luminance, luminance * luminance / 2);
   EXPECT_DOUBLE_EQ(d.max_absolute, 2);
@@ -55,7 +55,7 @@ TEST(Compare, EqualPicturesDoNotDiffer) {
   const ImageDifference d = Compare(Measured(), Measured());
   EXPECT_EQ(d.mse, 0);
   EXPECT_EQ(d.relative_mse, 0);
-  EXPECT_EQ(d.thesis_euclidean, 0);
+  EXPECT_EQ(d.squared_channel_sum, 0);
   EXPECT_EQ(d.max_absolute, 0);
   EXPECT_EQ(d.different_pixels, 0u);
   EXPECT_EQ(d.psnr, std::numeric_limits<double>::infinity());

@@ -387,6 +387,23 @@ TEST_F(SharedParts, AreMadeAnewWhenTheFileOfAMapHasChanged) {
   EXPECT_NE(RenderJob(scene, request).map_hash(), before);
 }
 
+TEST_F(SharedParts, AreMadeAnewWhenTheLightsOfAFileHaveChanged) {
+  JobCache cache(std::uint64_t{1} << 40);
+  const auto strategy = [&] {
+    JobRequest request;
+    request.scene = folder_.Path("one.pbrt");
+    request.width = 8, request.height = 6;
+    request.environment.path = folder_.Path("sky.pfm");
+    request.strategy = "presampled:mode=fixed,file=" + folder_.Path("set.json");
+    return &RenderJob(request, &cache).strategy();
+  };
+  folder_.Write("set.json", R"({"samples": [{"uv": [0.25, 0.5]}, {"uv": [0.75, 0.5]}]})");
+  const EnvStrategy* const before = strategy();
+  EXPECT_EQ(strategy(), before);
+  folder_.Write("set.json", R"({"samples": [{"uv": [0.5, 0.5]}]})");
+  EXPECT_NE(strategy(), before);
+}
+
 TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
   JobCache cache(std::uint64_t{1} << 40);
   const auto job = [&](const std::string& change, bool ground) {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "lights/light_sets/light_builder.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/tables/cells.h"
 #include "tests/support/light_test_maps.h"
@@ -38,6 +39,24 @@ void ExpectExactCover(const SphereMap& map, const std::vector<Region>& regions) 
     }
   }
   EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](int n) { return n == 1; }));
+}
+
+// Debevec compares angles, the thesis lengths in (u, v), where a strip at a pole is long.
+TEST(Cuts, LightsByMedianCutCompareTheSidesThatTheyAreToldTo) {
+  const Image image = test::SunMap(64, 32, 40);
+  const SphereMap map = MakeSphereMap(image);
+  const auto cells = [&](LongestSide longest) {
+    return BuildLights(map, {.source = LightSource::kMedianCut, .lights = 20, .longest = longest})
+        .cell_of_texel;
+  };
+  const auto expected = [&](bool scale_width) {
+    return LightsOfRegions(map, MedianCut(map, 20, {.scale_width = scale_width}),
+                           LightPosition::kCentroid)
+        .cell_of_texel;
+  };
+  EXPECT_EQ(cells(LongestSide::kAngle), expected(true));
+  EXPECT_EQ(cells(LongestSide::kUv), expected(false));
+  EXPECT_NE(expected(true), expected(false));
 }
 
 TEST(Cuts, CoverEveryMapOnceWithTheRequestedCount) {

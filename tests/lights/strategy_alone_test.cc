@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "kernels/sampler.h"
+#include "lights/light_sets/strata.h"
 #include "lights/strategies/strategy.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/map_cells.h"
@@ -193,14 +194,99 @@ TEST(Strategies, CompensationIsSharedByLightSamples) {
   EXPECT_FALSE(same({.mis = true}, "importance:compensate=0"));
 }
 
+// Whatever draws from the rest of the map finds its light, and none of the part that lights stand
+// for: the integral of radiance times cosine over B, found texel by texel.
+TEST(Strategies, TheRestOfAHybridHasTheLightOfItsStratum) {
+  constexpr std::uint32_t kRows = 40000, kRequested = 2;
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  for (const char* const name : {"Noise", "Sun", "Ramp"}) {
+    const EnvironmentMap map = {AdversarialMap(name), Orientations()[1].map_from_world, {}};
+    const Image held = HeldMap(map);
+    const SphereMap sphere = MakeSphereMap(held);
+    const Image b = StratumImage(sphere, StrataByFraction(sphere, 0.4), false);
+    double exact = 0;
+    const MapCells cells(map);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      double u, v;
+      MapPosition(map.map_from_world, cells.directions()[i], u, v);
+      const float* texel = b.Pixel(std::clamp(int(u * b.width), 0, b.width - 1),
+                                   std::clamp(int(v * b.height), 0, b.height - 1));
+      exact += Weighted(texel[0], texel[1], texel[2]) * cells.solid_angle(i) *
+               std::max(0.0, Dot(cells.directions()[i], kNormal));
+    }
+    for (const char* const rest :
+         {"rest=importance", "rest=product,rest-cells=30",
+          "rest=presampled,rest-samples=30,rest-mode=jittered,rest-from=variance-cut"}) {
+      for (const char* const pick : {"all", "power"}) {
+        SCOPED_TRACE(std::string(name) + " " + rest + " " + pick);
+        const auto strategy = MakeStrategy(
+            std::string("hybrid:lights=8,strata=p,p=0.4,pick=") + pick + "," + rest, map);
+        std::vector<double> sums(kRows);
+        const LightPlan plan = strategy->Plan(kRequested);
+        for (std::uint32_t index = plan.fixed; index < plan.total(); ++index) {
+          soa::Table<LightColumns> out(kRows);
+          strategy->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 7 + index), kRows,
+                           {.index = index, .requested = kRequested}, out);
+          for (std::uint32_t i = 0; i < kRows; ++i) {
+            if (!(out->pdf[i] > 0) || std::isinf(out->pdf[i])) continue;
+            const Vec direction = Get(i, out->dir_x, out->dir_y, out->dir_z);
+            sums[i] += Weighted(out->r[i], out->g[i], out->b[i]) / double(out->pdf[i]) *
+                       std::max(0.0, Dot(direction, kNormal));
+          }
+        }
+        Moments moments;
+        for (const double sum : sums) moments.Add(sum);
+        EXPECT_LT(moments.standard_error(), 0.03 * exact);
+        EXPECT_TRUE(AgreesWith(moments.mean(), moments.standard_error(), exact, SidakLevel(18),
+                               1e-3 * exact));
+      }
+    }
+  }
+}
+
+// The cells of B do not depend on who places the lights of A, if they have a source of their own.
+TEST(Strategies, TheRestOfAHybridHasASourceOfItsOwn) {
+  constexpr std::uint32_t kRows = 64, kLights = 8;
+  const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[0].map_from_world, {}};
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  const auto drawn = [&](const std::string& values) {
+    const auto strategy =
+        MakeStrategy("hybrid:lights=8,strata=p,rest=presampled,rest-samples=20," + values, map);
+    soa::Table<LightColumns> out(kRows);
+    strategy->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 3), kRows,
+                     {.index = kLights}, out);
+    std::vector<float> x(out->dir_x, out->dir_x + kRows);
+    return x;
+  };
+  EXPECT_EQ(drawn("from=median-cut,rest-from=penrose"), drawn("from=penrose"));
+  EXPECT_NE(drawn("from=median-cut,rest-from=penrose"), drawn("from=median-cut"));
+  EXPECT_EQ(drawn("from=median-cut,rest-from=same"), drawn("from=median-cut"));
+}
+
 TEST(Strategies, UnknownNamesAndKeysAreRefused) {
   const EnvironmentMap map = {AdversarialMap("OneByOne"), Orientations()[0].map_from_world};
-  for (const char* specification :
-       {"", "aliases", "importance:", "penrose:lights=0", "penrose:lights=two",
-        "penrose:from=penrose", "hybrid:inside=1,pick=power", "hybrid:strata=q",
-        "median-cut:lights=3.5", "importance:compensate", "importance:compensate=2",
-        "importance:compensate=", "importance:exponent=2", "uniform:compensate=1",
-        "importance:compensate=1,", "importance:,compensate=1", ":compensate=1"}) {
+  for (const char* specification : {"",
+                                    "aliases",
+                                    "importance:",
+                                    "penrose:lights=0",
+                                    "penrose:lights=two",
+                                    "penrose:from=penrose",
+                                    "hybrid:inside=1,pick=power",
+                                    "hybrid:rest=product,inside=1",
+                                    "hybrid:rest-from=no",
+                                    "hybrid:lights=auto:0.1,file=set.json",
+                                    "median-cut:longest=v",
+                                    "hybrid:rest-cells=300",
+                                    "hybrid:strata=q",
+                                    "median-cut:lights=3.5",
+                                    "importance:compensate",
+                                    "importance:compensate=2",
+                                    "importance:compensate=",
+                                    "importance:exponent=2",
+                                    "uniform:compensate=1",
+                                    "importance:compensate=1,",
+                                    "importance:,compensate=1",
+                                    ":compensate=1"}) {
     if (std::string(specification) == "importance:" ||
         std::string(specification) == "importance:compensate=1,") {
       EXPECT_NO_THROW(MakeStrategy(specification, map)) << specification;

@@ -42,7 +42,7 @@ def square(x, y, z, side):
 
 
 class AnnotationsTest(Case):
-    def picture(self):
+    def picture(self, **options):
         """A wall at z = 0, half of it hidden by a plate at z = 2; the camera is at z = 10, and its
         picture of 40 x 30 pixels shows 8 x 6 in the plane of the wall."""
         scene = skywave.Scene()
@@ -53,7 +53,7 @@ class AnnotationsTest(Case):
         pose[2, 3] = 10
         scene.set_camera(skywave.Camera(K, pose, (40, 30)))
         return skywave.render(scene, sky(), spp=4, filter="box",
-                              aovs=["object-id", "depth", "distance", "uv"])
+                              aovs=["object-id", "depth", "distance", "uv"], **options)
 
     def test_boxes_masks_and_areas_are_those_of_the_geometry(self):
         picture = self.picture()
@@ -76,6 +76,10 @@ class AnnotationsTest(Case):
             self.assertEqual(mask, (ids == number).astype(int).tolist())
             self.assertEqual(annotation["area"], sum(map(sum, mask)))
         self.assertEqual(len({a["id"] for a in saved["annotations"]}), 4)
+
+    def test_a_film_of_another_shape_shows_more_of_the_scene(self):
+        ids = self.picture(size=(80, 30)).layers["object-id"]
+        self.assertEqual(annotations.boxes(ids), {1: (30, 5, 20, 20), 2: (40, 18, 9, 9)})
 
     def test_depths_are_exact(self):
         picture = self.picture()

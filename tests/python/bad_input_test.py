@@ -212,7 +212,7 @@ class BadInputTest(Case):
         self.refuse("furnace", "1000000 x 1000000", render, size=(10**6, 10**6))
         self.refuse("furnace", "1000", render, crop=(10, 10, 1000, 1000))
         self.refuse("paths 0,0", "", render, integrator="bdpt", paths=(0, 0))
-        self.refuse("split 2", "integrator=direct", render, integrator="direct", split=2)
+        self.refuse("split 2", "integrator=bdpt", render, integrator="bdpt", split=2)
 
     def test_files(self):
         for name in ("none.obj", pathlib.Path("none.obj"), b"none.obj"):

@@ -114,8 +114,8 @@ TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
       ++able;
     }
   }
-  // These are importance, warp, alias, uniform and presampled, four sorts of lights, and hybrid.
-  EXPECT_EQ(able, 10u);
+  // These are importance, warp, alias, uniform and presampled, seven sorts of lights, and hybrid.
+  EXPECT_EQ(able, 13u);
 }
 
 // On a wide floor too, a surface knows its position accurately enough for small objects on it: rays

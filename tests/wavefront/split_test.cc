@@ -10,8 +10,10 @@
 
 #include "base/error.h"
 #include "scene/builtin/builtin.h"
+#include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/room_lights.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
@@ -107,6 +109,25 @@ TEST(Split, PicturesByTwoStrategiesMatchTheOracle) {
     request.strategy = first, request.continuation_strategy = behind;
     ExpectOracles(scene, request);
   }
+}
+
+// With direct light alone the first surface takes several BSDF samples, and nothing goes on.
+TEST(Split, BsdfSamplesOfDirectLightMatchTheOracle) {
+  Scene scene = Balls();
+  SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+  JobRequest request = Request(4, 3, 5);
+  request.integrator = Integrator::kDirect;
+  ExpectOracles(scene, request);
+}
+
+TEST(Split, BsdfSamplesOfDirectLightAreThoseOfPathsOfOneSurface) {
+  Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp);
+  JobRequest request = Request(4, 3, 1);
+  const RenderJob path(scene, request);
+  request.integrator = Integrator::kDirect;
+  request.max_depth = 5;
+  const RenderJob direct(scene, request);
+  EXPECT_EQ(Sums(Render(direct, direct.frame())), Sums(Render(path, path.frame())));
 }
 
 // One continuation with one light sample uses the random numbers of a path that does not split.
@@ -258,8 +279,13 @@ TEST(Split, CountsCameraSamples) {
 
 TEST(Split, UnsupportedCombinationsAreRefused) {
   const Scene scene = BuiltinScene("spheres");
+  JobRequest bdpt = Request(4, 1, 3);
+  bdpt.integrator = Integrator::kBdpt;
+  EXPECT_THROW(RenderJob(scene, bdpt), InputError);
   JobRequest direct = Request(4, 1, 3);
   direct.integrator = Integrator::kDirect;
+  EXPECT_NO_THROW(RenderJob(scene, direct));
+  direct.continuation_strategy = "uniform";
   EXPECT_THROW(RenderJob(scene, direct), InputError);
   JobRequest unsplit = Request(0, 1, 3);
   unsplit.continuation_strategy = "uniform";

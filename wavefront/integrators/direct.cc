@@ -1,9 +1,12 @@
 // Direct light (T 4.2.1). The first surface that is neither mirror nor glass takes light_samples
-// light samples and one BSDF sample against them. Mirrors and glass are followed over up to
-// max_depth surfaces.
+// light samples and one BSDF sample against them, or `split` of them (split.cc). Mirrors and glass
+// are followed over up to max_depth surfaces.
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "wavefront/integrator.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/stages/clamps.h"
 #include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
@@ -53,10 +56,25 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   });
 }
 
+void RenderWholeOrSplit(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  if (frame.options.bsdf_samples > 0) return RenderSplitWave(frame, range, w, film);
+  RenderDirectWave(frame, range, w, film);
+}
+
+std::span<const RenderOption> Options() {
+  static const std::vector<RenderOption> table = [] {
+    std::vector<RenderOption> rows = {SplitOption()};
+    for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
+    return rows;
+  }();
+  return table;
+}
+
 void AddTables(const RenderOptions& options, Worker& worker) {
   AddPlaceTables(options, worker);
   AddLinkTables(options, worker);
   AddClampTables(options, worker);
+  AddSplitTables(options, worker);
 }
 
 }  // namespace
@@ -68,10 +86,10 @@ IntegratorDescriptor DirectIntegrator() {
           .controls = true,
           .has_light_groups = true,
           .has_catchers = true,
-          .options = ClampOptionTable,
+          .options = Options,
           .check = CheckClamps,
           .add_tables = AddTables,
-          .render_wave = RenderDirectWave};
+          .render_wave = RenderWholeOrSplit};
 }
 
 }  // namespace skywave

@@ -10,8 +10,6 @@
 
 #include "wavefront/integrator.h"
 #include "wavefront/paths/camera_paths.h"
-#include "wavefront/policy.h"
-#include "wavefront/render_option.h"
 #include "wavefront/stages/clamps.h"
 #include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
@@ -36,16 +34,9 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
 
 namespace {
 
-RenderOption Split() {
-  // clang-format off
-  return Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "continuations of a path after its first hit", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "paths do not split"},
-                       SKYWAVE_FIELD(bsdf_samples), Unless(0u, Numbers(1u, 1u << 16))));
-  // clang-format on
-}
-
 std::span<const RenderOption> Options() {
   static const std::vector<RenderOption> table = [] {
-    std::vector<RenderOption> rows = {Split()};
+    std::vector<RenderOption> rows = {SplitOption()};
     for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
     return rows;
   }();
@@ -56,8 +47,7 @@ void AddTables(const RenderOptions& options, Worker& worker) {
   AddPlaceTables(options, worker);
   AddLinkTables(options, worker);
   AddClampTables(options, worker);
-  if (options.bsdf_samples == 0) return;
-  AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
+  AddSplitTables(options, worker);
 }
 
 void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Worker& worker,

@@ -1,10 +1,11 @@
-// Path tracing (path.cc) and its mode in which paths split (split.cc).
+// Path tracing (path.cc) and its mode in which paths split (split.cc), which direct light has too.
 #pragma once
 
 #include <cstdint>
 
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/render_option.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/worker.h"
 
@@ -21,6 +22,10 @@ struct Continuations {
   Worker wave;
   soa::Table<RadianceColumns> direct;  // sums over the continuations of a path
 };
+
+// The option `split`, for integrators that render with RenderSplitWave, and the tables for it.
+RenderOption SplitOption();
+void AddSplitTables(const RenderOptions& options, Worker& worker);
 
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);

@@ -1,12 +1,15 @@
 // Path tracing that splits (T fig. 8.26, the integrator PT2). At the first surface that is neither
 // mirror nor glass a path takes all its direct light, light_samples light samples, and goes on as
 // `split` continuations, whose mean is its indirect light. Continuations are paths like those of
-// RenderPathWave, with light samples of the frame's strategy for continuations.
+// RenderPathWave, with light samples of the frame's strategy for continuations. With direct light
+// alone they only see lights: the surface takes `split` BSDF samples (T 4.2.1).
 #include <algorithm>
 #include <utility>
 
+#include "wavefront/integrator.h"
 #include "wavefront/integrators/path.h"
 #include "wavefront/paths/camera_paths.h"
+#include "wavefront/policy.h"
 #include "wavefront/stages/clamps.h"
 #include "wavefront/stages/path_stages.h"
 
@@ -57,7 +60,8 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
                    std::uint32_t bounce, const Worker& w, Continuations& c, StageClock& clock) {
   const std::uint32_t split = frame.options.bsdf_samples;
   const SurfaceRanges ranges = LightSampled(w.ranges);
-  const bool last = bounce + 1 == frame.options.max_depth;
+  const bool direct_light_only = Describe(frame.options.integrator).direct_light_only;
+  const bool last = direct_light_only || bounce + 1 == frame.options.max_depth;
   const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
   if (ranges.total() == 0 || first_kind == kFirstDeltaBsdf) return;
   Departure from = FromOwnSurfaces(frame, w);
@@ -73,12 +77,28 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
                 {.out = ControlsOf(frame, c.wave).out, .weight = ControlsOf(frame, w).weight});
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
-    FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
+    if (direct_light_only) {
+      IntersectLights(of_continuations, c.wave.rays[0], n, bounce + 1, from, c.wave, clock);
+    } else {
+      FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
+    }
   }
   AddMeans(c.direct, paths, split, w.paths);
 }
 
 }  // namespace
+
+RenderOption SplitOption() {
+  // clang-format off
+  return Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "BSDF samples of the first hit with a density, each of which goes on as a path; direct: each sees lights", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "one, by the path itself"},
+                       SKYWAVE_FIELD(bsdf_samples), Unless(0u, Numbers(1u, 1u << 16))));
+  // clang-format on
+}
+
+void AddSplitTables(const RenderOptions& options, Worker& worker) {
+  if (options.bsdf_samples == 0) return;
+  AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
+}
 
 void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);

@@ -61,7 +61,7 @@ SurfaceRanges DenseOnly(SurfaceRanges ranges) {
 std::uint32_t GatheredLightPairs(const FrameView& frame, std::uint32_t index) {
   constexpr std::uint32_t kAll = kLightPathPairs / kPairBlock;
   const std::uint32_t gather = frame.options.of<PhotonOptions>().gather;
-  const std::uint32_t each = frame.light_shares().plan.total() + kCandidateBlocks;
+  const std::uint32_t each = frame.light_shares().total() + kCandidateBlocks;
   const std::uint32_t room = std::max((kAll - 1 - gather) / each, 1u);
   return kPairBlock * (1 + gather + index % room * each);
 }

@@ -275,7 +275,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
   const LightShares shares = frame.light_shares();
-  for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
+  for (std::uint32_t index = 0; index < shares.total(); ++index) {
     const LightUniforms uniforms(w.scratch);
     const LightPlaces places(w.hits);
     const LightReach reach =

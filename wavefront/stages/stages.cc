@@ -57,23 +57,25 @@ LightReach SampleRows(const FrameView& frame, const ShadePoints& points, const L
                       const Scratch& scratch, const LightColumns& lights,
                       const LightPlaces& places) {
   const LightPlan& plan = shares.plan;
-  if (call.index >= plan.fixed) {
+  const std::uint32_t index = call.index;
+  if (index >= shares.first_drawn()) {
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
-                 {.stride = plan.drawn, .offset = call.index - plan.fixed}, uniforms);
-  } else if (plan.random_fixed) {
+                 {.stride = plan.drawn, .offset = index - shares.first_drawn()}, uniforms);
+    call.index -= shares.each;
+  } else if (plan.random_fixed || shares.is_of_each(index)) {
     // Every fixed sample is a separate integral, so it has a sequence of its own.
-    call.pair += kPairBlock * (call.index + 1);
+    call.pair += kPairBlock * (index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
-  const float local_share = call.index >= plan.fixed ? shares.local.share : 0;
-  if (local_share < 1) {
-    SampleStrategy(*frame.strategy, points, uniforms, local_share, n, call, scratch, lights);
+  const LightChoice local = shares.ChoiceOf(frame.local_lights, index);
+  if (local.share < 1) {
+    SampleStrategy(*frame.strategy, points, uniforms, local.share, n, call, scratch, lights);
   }
-  if (local_share <= 0) return {};
+  if (local.share <= 0) return {};
   LightReach reach(scratch);
   const HitColumns& on_triangles = places;
-  SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
-                    float(plan.drawn), lights, reach->distance,
+  SampleLocalLights(frame.local_lights, local, points.surfaces, uniforms, n,
+                    shares.local_samples(index), lights, reach->distance,
                     frame.local_lights.has_alpha ? &on_triangles : nullptr);
   return reach;
 }
@@ -188,8 +190,9 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
                 std::uint32_t n, const EmitterHits& emitter_hits, const PathColumns& paths) {
   if (!frame.has_emitters()) return;
   const LightShares shares = frame.light_shares();
-  const std::uint32_t count = IntersectEmitters(frame.local_lights, shares.local, rays, hits, n,
-                                                float(shares.plan.drawn), emitter_hits);
+  const std::uint32_t count =
+      IntersectEmitters(frame.local_lights, shares.ChoiceOfHits(frame.local_lights), rays, hits, n,
+                        shares.hit_samples(frame.local_lights), emitter_hits);
   AddEscapedRadiance(emitter_hits, count, frame.mis(), paths);
 }
 

@@ -117,7 +117,11 @@ struct ControlRows {
 template <class F>
 void ForEachLocalLight(const FrameView& frame, const LightShares& shares, std::uint32_t index,
                        const float* u, std::uint32_t n, const F& f) {
-  if (index < shares.plan.fixed || !(shares.local.share > 0)) return;
+  if (shares.is_of_each(index)) {
+    for (std::uint32_t i = 0; i < n; ++i) f(i, std::size_t{index} - shares.plan.fixed);
+    return;
+  }
+  if (index < shares.first_drawn() || !(shares.local.share > 0)) return;
   const std::uint32_t* const first = shares.local.first;
   const std::uint32_t* const end = first + frame.local_lights.count + 1;
   for (std::uint32_t i = 0; i < n; ++i) {

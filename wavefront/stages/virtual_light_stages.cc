@@ -53,7 +53,7 @@ void AddVirtualLights(const FrameView& frame, std::uint32_t bounce, Worker& w, S
                                t.seen_by_light.backward};
   // Their rays have numbers after those of light samples.
   std::uint32_t event =
-      SamplePair(bounce, SampleUse::kLight) + kPairBlock * frame.light_shares().plan.total();
+      SamplePair(bounce, SampleUse::kLight) + kPairBlock * frame.light_shares().total();
   for (const VirtualLight& light : set.lights) {
     event += kPairBlock;
     if (light.depth + bounce + 1 > frame.options.max_depth) continue;

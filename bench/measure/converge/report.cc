@@ -50,7 +50,8 @@ nlohmann::ordered_json JsonRung(const Rung& rung, ErrorMeasure measure) {
                             {"relative_mse", run.error.relative_mse},
                             {"mean_absolute", run.error.mean_absolute},
                             {"psnr_db", run.error.psnr},
-                            {"thesis_euclidean", run.error.thesis_euclidean},
+                            {"squared_distance", 3 * run.error.mse},
+                            {"squared_channel_sum", run.error.squared_channel_sum},
                             {"thesis_luminance", run.error.thesis_luminance}});
   }
   return json;
