@@ -130,15 +130,15 @@ int CompareMain(const CompareFlags& flags) {
       (a.of_screen || b.of_screen ? LdrFlip : HdrFlip)(image, reference, flags.pixels_per_degree);
   nlohmann::ordered_json json = Json(d, flip);
   for (const auto& [name, value] : json.items()) {
-    if (value.is_number_float()) Print(stdout, "{:<18}{:.8g}\n", name, value.get<double>());
+    if (value.is_number_float()) Print(stdout, "{:<20}{:.8g}\n", name, value.get<double>());
   }
   json["max_at"] = {compared.x + d.max_x, compared.y + d.max_y};
-  Print(stdout, "{:<18}{}, {}\n", "max_at", compared.x + d.max_x, compared.y + d.max_y);
-  Print(stdout, "{:<18}{} of {}\n", "different_pixels", d.different_pixels,
+  Print(stdout, "{:<20}{}, {}\n", "max_at", compared.x + d.max_x, compared.y + d.max_y);
+  Print(stdout, "{:<20}{} of {}\n", "different_pixels", d.different_pixels,
         std::size_t(image.width) * image.height);
   if (compared != whole) {
     json["window"] = {compared.x, compared.y, compared.width, compared.height};
-    Print(stdout, "{:<18}{}x{}+{}+{}: the pixels that both pictures have\n", "window",
+    Print(stdout, "{:<20}{}x{}+{}+{}: the pixels that both pictures have\n", "window",
           compared.width, compared.height, compared.x, compared.y);
   }
   if (a.noise() || b.noise()) {

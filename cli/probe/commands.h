@@ -34,5 +34,6 @@ Command ProbeLightsCommand();
 Command ProbePresampleCommand();
 Command ProbePlotCommand();
 Command ProbeCalibrateCommand();
+Command ProbeAssembleCommand();
 
 }  // namespace skywave

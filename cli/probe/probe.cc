@@ -89,7 +89,8 @@ Command ProbeCommand() {
   return {.name = "probe",
           .summary = "Look at illumination maps, convert them, make lights",
           .children = {ProbeInfoCommand(), ProbeConvertCommand(), ProbeLightsCommand(),
-                       ProbePresampleCommand(), ProbePlotCommand(), ProbeCalibrateCommand()}};
+                       ProbePresampleCommand(), ProbePlotCommand(), ProbeCalibrateCommand(),
+                       ProbeAssembleCommand()}};
 }
 
 }  // namespace skywave

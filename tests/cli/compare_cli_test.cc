@@ -32,8 +32,8 @@ TEST_F(CompareCli, EqualPicturesHaveNoError) {
   const Result result = Run("compare map.exr map.exr --json c.json --map d.png");
   EXPECT_EQ(result.exit_code, 0);
   const auto json = nlohmann::json::parse(Bytes("c.json"));
-  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute", "squared_channel_sum",
-                                "thesis_luminance", "max_absolute"}) {
+  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute",
+                                "squared_channel_sum", "thesis_luminance", "max_absolute"}) {
     EXPECT_EQ(json.at(key).get<double>(), 0) << key;
     EXPECT_NE(result.out.find(key), std::string::npos) << key;
   }

@@ -52,6 +52,7 @@ COMMANDS = {
         f"bench spheres {SMALL} --repetitions 1 --gates counters --baseline {{out}}/a.baseline "
         "--update-baseline new", ["a.baseline"]),
     "bench --sustain": (f"bench spheres {SMALL} --sustain 0.1 --json {{out}}/a.json", ["a.json"]),
+    "probe assemble": ("probe assemble in/sky.pfm in/sky.pfm --times 1/4,1 -o {out}/a.exr", ["a.exr"]),
     "probe calibrate": ("probe calibrate --height 8 -o {out}/a.exr", ["a.exr"]),
     "probe convert to EXR": ("probe convert in/sky.pfm {out}/a.exr --to angular", ["a.exr"]),
     "probe convert to HDR": ("probe convert in/sky.pfm {out}/a.hdr --to angular", ["a.hdr"]),

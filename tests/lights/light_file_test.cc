@@ -109,6 +109,7 @@ TEST_F(LightFile, BadFilesAreNamedWithTheirFault) {
        "has cells of a map of 32x32, and this one is 64x32"},
       {rows("[[0, 63]]"), "row 0 of the cells is not 64 texels long"},
       {rows("[[0, 65]]"), "row 0 of the cells is not 64 texels long"},
+      {rows("[[0, 1000000000000000]]"), "row 0 of the cells is not 64 texels long"},
       {rows("[[0, 0], [0, 64]]"), "row 0 of the cells is not 64 texels long"},
       {rows("[[1, 64]]"), "cell 1 has no sample: there are 1"},
       {rows("[[-2, 64]]"), "cell -2 has no sample"},

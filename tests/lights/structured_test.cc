@@ -111,6 +111,24 @@ TEST(Structured, SunsShareSamplesByEnergyAndTheRootOfTheirSize) {
   EXPECT_EQ(right, 2);
 }
 
+// Suns with a dark column between them are parts of their own, with a sample each.
+TEST(Structured, SunsThatDoNotTouchArePartsOfTheirOwn) {
+  Image image(64, 32);
+  Paint(image, 20, 14, 4, 4, 100);
+  Paint(image, 25, 14, 4, 4, 100);
+  const SphereMap map = MakeSphereMap(image);
+  const PlacedCells cells = StructuredCells(map, 2);
+  ASSERT_EQ(cells.samples.size(), 2u);
+  const auto cell = [&](int x, int y) { return cells.cell_of_texel[std::size_t(y * 64 + x)]; };
+  for (int y = 14; y < 18; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      EXPECT_EQ(cell(20 + x, y), cell(20, 14));
+      EXPECT_EQ(cell(25 + x, y), cell(25, 14));
+    }
+  }
+  EXPECT_NE(cell(20, 14), cell(25, 14));
+}
+
 // Beyond the widest solid angle area counts no more.
 TEST(Structured, WideSunsShareSamplesByEnergy) {
   Image image(512, 256);

@@ -67,14 +67,16 @@ TEST(LightSelection, ASampleOfEachLightIsTheSumOfTheLights) {
   EXPECT_GT(sum, 10);
 }
 
-// The room has a map, a lamp of triangles and a point light; BSDF samples hit the lamp.
+// The room has a map, a lamp and a ball of a hundred triangles that shine, and a point light; BSDF
+// samples hit lamp and ball.
 TEST(LightSelection, EverySelectionMatchesTheOracle) {
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     for (const LightSelection selection :
          {LightSelection::kPower, LightSelection::kOne, LightSelection::kAll}) {
       for (const bool mis : {true, false}) {
         SCOPED_TRACE(std::string(ToString(selection)) + (mis ? "" : " without MIS"));
-        const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp | kPoint);
+        const Scene scene =
+            MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp | kBall | kPoint);
         JobRequest request = Request(integrator, selection);
         request.options.mis = mis;
         request.options.light_samples = integrator == Integrator::kDirect ? 2 : 1;
