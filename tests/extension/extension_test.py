@@ -60,12 +60,11 @@ struct TwinPass {
   float gain;
 };
 
-std::span<const RenderOption> Options() {
-  static const RenderOption table[] = {
-      MakeRenderOption({.name = "twin-gain", .help = "factor of the picture",
-                        .scope = OptionScope::kPixels, .example = "--integrator twin --twin-gain 2"},
-                       SKYWAVE_FIELD_OF(TwinOptions, gain), Floats(0, 8))};
-  return table;
+RenderOption TwinGain() {
+  return MakeRenderOption({.name = "twin-gain", .help = "factor of the picture",
+                           .scope = OptionScope::kPixels,
+                           .example = "--integrator twin --twin-gain 2"},
+                          SKYWAVE_FIELD_OF(TwinOptions, gain), Floats(0, 8));
 }
 
 void ForEachPass(const FrameView& frame, WorkerPool&, PhotonCounts&, const RenderPass& render) {
@@ -189,14 +188,13 @@ StrategyFactory TwinFactory() {
     # An integrator, and a policy.
     add.file("wavefront/integrators/twin.cc",
              twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator"),
-                  ("#include <utility>\n", "#include <algorithm>\n#include <span>\n#include <utility>\n"
-                   '#include <vector>\n\n#include "wavefront/render_option.h"\n'),
+                  ("#include <span>\n", "#include <algorithm>\n#include <span>\n"),
                   ("void RenderDirectWave(", INTEGRATOR + "void RenderDirectWave("),
                   ("  FinishWave(", "  Amplify(frame, range.count, w);\n  FinishWave("),
                   ("  AddPlaceTables(options, worker);\n",
                    "  AddPlaceTables(options, worker);\n"
                    "  worker.tables.Add<TwinTables>(options.wave);\n"),
-                  (".options = ClampOptionTable", ".options = Options"),
+                  ("    return rows;\n", "    rows.push_back(TwinGain());\n    return rows;\n"),
                   (".add_tables = AddTables", ".add_tables = AddTables, .for_each_pass = ForEachPass")))
     add.file("wavefront/policies/twin.cc", POLICY)
     add.line("wavefront/policy.h", "  POLICY(Guide)", " POLICY(Twin)")
