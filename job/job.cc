@@ -63,7 +63,7 @@ void CheckSelection(const LocalLightView& lights, const RenderOptions& options) 
   throw OptionError("light-selection", "all",
                     fmt::format("takes a sample of each local light at every surface, of at most "
                                 "{}; the scene has {}, triangles that shine counted: use "
-                                "`light-selection power`",
+                                "`light-selection tree`",
                                 kMostOfEach, lights.count));
 }
 
@@ -276,6 +276,7 @@ void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
 void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   const PreparedScene& prepared = parts.prepared();
   local_lights_ = parts.Lamps(request_, light, geometry_);
+  light_tree_ = parts.TreeOfLamps(request_, light, local_lights());
   brightest_ = std::max(light.brightest, local_lights().brightest());
   if (brightest_ > 0 && brightest_ < kLeastRadiance) {
     throw InputError(
@@ -409,6 +410,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
       .shows_background = request_.background != Background::kTransparent,
       .catchers = geometry().catchers(),
       .object_lamps = object_lamps_.empty() ? nullptr : object_lamps_.data()};
+  if (light_tree_) frame.local_lights.tree = &light_tree_->view;
   if (irradiance_) frame.Show(&control_);
   if (!links_.unlit.empty()) frame.Show(&links_.view);
   if (place_ && Sums(options().aovs, AovSum::kBackdrop)) frame.Show(&place_->dome);

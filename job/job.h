@@ -93,10 +93,11 @@ class RenderJob {
   std::shared_ptr<const BuiltGeometry> geometry_;
   std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
   std::shared_ptr<const BuiltLamps> local_lights_;
-  LightGroups light_groups_;                // where they are asked for
-  std::shared_ptr<const Mattes> names_;     // of meshes and materials, likewise
-  std::vector<std::uint8_t> object_lamps_;  // FrameView::object_lamps
-  LightLinks links_;                        // where there are some
+  std::shared_ptr<const BuiltLightTree> light_tree_;  // where it is asked for
+  LightGroups light_groups_;                          // where they are asked for
+  std::shared_ptr<const Mattes> names_;               // of meshes and materials, likewise
+  std::vector<std::uint8_t> object_lamps_;            // FrameView::object_lamps
+  LightLinks links_;                                  // where there are some
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   ControlView control_;                              // that frames show, if there is irradiance_

@@ -266,19 +266,31 @@ std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, 
   return geometry;
 }
 
+// The map takes part in the choice between the lamps.
+std::string JobParts::LampsKey(const JobRequest& request, const LoadedLight& light) const {
+  return fmt::format("{} lamps beside {}", GeometryKey(request, 0), light.mean_luminance);
+}
+
 std::shared_ptr<const BuiltLamps> JobParts::Lamps(
     const JobRequest& request, const LoadedLight& light,
     const std::shared_ptr<const BuiltGeometry>& geometry) const {
   const Scene& scene = *prepared_->scene;
   if (!HasLocalLights(scene)) return std::make_shared<BuiltLamps>();
-  // The map takes part in the choice between them.
-  const std::string key =
-      fmt::format("{} lamps beside {}", GeometryKey(request, 0), light.mean_luminance);
-  return Get<BuiltLamps>(key, [&] {
+  return Get<BuiltLamps>(LampsKey(request, light), [&] {
     const float radius = BoundingRadius(prepared_->bounds);
     return std::make_shared<BuiltLamps>(
         BuiltLamps{geometry, LocalLights(scene, geometry->geometry, request.scene, radius,
                                          EnvironmentPower(light.mean_luminance, radius))});
+  });
+}
+
+std::shared_ptr<const BuiltLightTree> JobParts::TreeOfLamps(const JobRequest& request,
+                                                            const LoadedLight& light,
+                                                            const LocalLights& lamps) const {
+  const bool asked = request.options.light_selection == LightSelection::kTree;
+  if (!asked || lamps.view().count == 0) return nullptr;
+  return Get<BuiltLightTree>(LampsKey(request, light) + " tree", [&] {
+    return std::make_shared<BuiltLightTree>(LightTree(lamps, *prepared_->scene));
   });
 }
 

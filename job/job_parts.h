@@ -15,6 +15,7 @@
 #include "lights/strategies/strategy.h"
 #include "lights/tables/vector_irradiance.h"
 #include "scene/geometry.h"
+#include "scene/light_tree.h"
 #include "scene/local_lights.h"
 #include "scene/scene.h"
 #include "scene/scene_hash.h"
@@ -98,6 +99,14 @@ struct BuiltLamps {
   std::size_t bytes() const { return lights.bytes(); }
 };
 
+// The tree over them, and what stages read of it.
+struct BuiltLightTree {
+  explicit BuiltLightTree(LightTree built) : tree(std::move(built)), view(tree.view()) {}
+  LightTree tree;
+  LightTreeView view;
+  std::size_t bytes() const { return tree.bytes(); }
+};
+
 // A scene in memory, and what jobs have made of it for each other. Threads may share it. Maps and
 // their tables are shared with the jobs of all other such scenes of the process.
 class SharedScene {
@@ -136,6 +145,10 @@ class JobParts {
   std::shared_ptr<const BuiltLamps> Lamps(
       const JobRequest& request, const LoadedLight& light,
       const std::shared_ptr<const BuiltGeometry>& geometry) const;
+  // Null where there is no lamp, or where no tree is asked for.
+  std::shared_ptr<const BuiltLightTree> TreeOfLamps(const JobRequest& request,
+                                                    const LoadedLight& light,
+                                                    const LocalLights& lamps) const;
   std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
   std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
                                                const std::string& specification,
@@ -154,6 +167,7 @@ class JobParts {
   template <class T, class Make>
   std::shared_ptr<const T> Get(const std::string& key, const Make& make) const;
   std::string GeometryKey(const JobRequest& request, int threads) const;
+  std::string LampsKey(const JobRequest& request, const LoadedLight& light) const;
   std::string MapKey(const JobRequest& request) const;
   std::string PlacedKey(const JobRequest& request, const LoadedLight& light) const;
 

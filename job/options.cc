@@ -265,7 +265,7 @@ std::vector<JobOption> CommonRows() {
     Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: of the first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 
-    Plain({.name = "light-selection", .group = kLight, .help = "lights that a surface takes samples of: by power, one with all equally likely, or all, a sample of each local light beside those of the map", .scope = kPixels, .example = "lamps --light-selection all", .applies = SelectsLights},
+    Plain({.name = "light-selection", .group = kLight, .help = "lights that a surface takes samples of: by power; one with all equally likely; by a tree, which asks at each surface what a lamp brings there (many lamps); or all, a sample of each local light beside those of the map", .scope = kPixels, .example = "lamps --light-selection all", .applies = SelectsLights},
           FIELD(options.light_selection), NamesOfEnum<LightSelection>()),
 
     Plain({.name = "link", .group = kLight, .help = "surfaces on which a light shines, or with ! those on which it does not: lights have the names of their layers (--aovs lights), surfaces those of materials or meshes; several are separated by ;", .scope = kPixels, .changes = Tables::kPrepared, .example = "--ground --link 'environment:!ground'", .default_text = "all", .metavar = "LIGHT:[!]NAME,NAME...", .most_values = kMostLinks, .delimiter = ';'},

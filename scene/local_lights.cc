@@ -158,7 +158,6 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
   alone_ = MakeChoice(power_, kChoiceUnits);
   const auto units = std::uint32_t(std::lround(share * kChoiceUnits));
   shared_ = MakeChoice(power_, std::max(units, std::uint32_t(2 * lights_.size())));
-  power_ = {};
 
   const std::vector<double> alike(lights_.size(), 1.0);
   const auto places = double(lights_.size() + (environment_power > 0 ? 1 : 0));
@@ -200,7 +199,7 @@ LocalLightView LocalLights::view() const {
 }
 
 std::size_t LocalLights::bytes() const {
-  return lights_.size() * sizeof(LocalLight) +
+  return lights_.size() * sizeof(LocalLight) + power_.size() * sizeof(double) +
          (light_of_triangle_.size() + emission_texture_.size() + alone_.size() + shared_.size() +
           alike_alone_.size() + alike_shared_.size() + only_.size() + each_.size()) *
              sizeof(std::uint32_t) +

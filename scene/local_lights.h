@@ -15,8 +15,6 @@
 
 namespace skywave {
 
-inline constexpr std::size_t kMaxLocalLights = std::size_t{1} << 22;
-
 // Sums over all lights of one kind.
 struct LocalLightTotal {
   std::size_t count = 0;
@@ -41,6 +39,8 @@ class LocalLights {
   // Returns the brightest value that a camera may see of them: their own radiance, or that of a
   // white surface lit by all their power from a distance of a hundredth of `radius`.
   float brightest() const { return brightest_; }
+  // Returns the power of each light (luminance) [radiance * sr * area].
+  const std::vector<double>& power() const { return power_; }
 
  private:
   void AddTriangles(const Scene& scene, const Geometry& geometry, const std::string& path);
@@ -57,8 +57,8 @@ class LocalLights {
   // LightChoice::first of the choices of LocalLightView.
   std::vector<std::uint32_t> alone_, shared_, alike_alone_, alike_shared_, only_, each_;
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
-  std::vector<double> power_;  // luminance of each light
-  double channel_power_ = 0;   // sum over lights in the brightest channel
+  std::vector<double> power_;
+  double channel_power_ = 0;  // sum over lights in the brightest channel
   float brightest_ = 0;
 };
 

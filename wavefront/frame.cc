@@ -52,6 +52,7 @@ LightShares FrameView::light_shares() const {
     shares.local = alike ? local_lights.alike_alone : local_lights.alone;
     shares.plan.drawn = light_samples();
   }
+  if (selection == LightSelection::kTree) shares.local.tree = local_lights.tree;
   return shares;
 }
 

@@ -35,12 +35,14 @@ struct SampleRange {
 enum class LightSelection {
   kPower,  // as many as asked for, of local lights and the map by their power
   kOne,    // likewise, with all of them equally likely (T 4.2.1, SAMPLE_ONE)
+  kTree,   // likewise, of local lights by what each surface would get from them about
   kAll     // one of each local light, and those of the map (SAMPLE_ALL)
 };
 template <>
 inline constexpr auto kEnumNames<LightSelection> =
     std::to_array<Named<LightSelection>>({{LightSelection::kPower, "power"},
                                           {LightSelection::kOne, "one"},
+                                          {LightSelection::kTree, "tree"},
                                           {LightSelection::kAll, "all"}});
 
 struct RenderOptions {

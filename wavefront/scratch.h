@@ -7,7 +7,7 @@
 //   - Scratch::first lends FilmUniforms, MixtureUniforms, LightUniforms, DirectionUniforms and
 //     PixelUniforms;
 //   - Scratch::second lends LensUniforms, LobeUniforms and AimUniforms, or SplitRemainder (u) and
-//     LightReach (v);
+//     LightReach;
 //   - Scratch::words lends RayQueues, CaughtRows and RayKeys;
 //   - Worker::hits lends LightPlaces;
 //   - Worker::escaped lends EmitterHits and EnvironmentDensities;
@@ -20,6 +20,7 @@
 
 #include "kernels/borrowed.h"
 #include "kernels/columns.h"
+#include "kernels/lights/local_lights.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
@@ -103,20 +104,12 @@ struct SplitRemainder : Borrowed<RemainderColumns> {
       : Borrowed({s.second->u}, s.second.rows(), "SplitRemainder") {}
 };
 
-struct ReachColumns {
-  float* distance;  // as SampleLocalLights writes it [length]
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.distance);
-  }
-};
-
-// Length of the shadow ray of each light sample. Where no local light is sampled all lengths are
-// infinite, and there is no column.
+// Length of the shadow ray of each light sample and its local light. Where no local light is
+// sampled all lengths are infinite, and there are no columns.
 struct LightReach : Borrowed<ReachColumns> {
   LightReach() = default;
-  explicit LightReach(const Scratch& s) : Borrowed({s.second->v}, s.second.rows(), "LightReach") {}
+  explicit LightReach(const Scratch& s)
+      : Borrowed({.distance = s.second->v, .light = s.second->u}, s.second.rows(), "LightReach") {}
   bool limited() const { return (*this)->distance != nullptr; }
 };
 

@@ -7,6 +7,7 @@
 #endif
 
 #include "kernels/lights/light_shapes-inl.h"
+#include "kernels/lights/light_tree-inl.h"
 #include "kernels/lights/local_lights.h"
 #include "kernels/simd/math-inl.h"
 #include "kernels/surface/texture-inl.h"
@@ -58,21 +59,33 @@ HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
   return ToFloat(width) * (1.0f / kChoiceUnits);
 }
 
-// Uniforms u of rows i and on, below n, pick these lights.
+// Uniforms u of rows i and on, below n, pick these lights. A choice with a tree needs the surfaces
+// that pick them.
 struct LightPick {
   HWY_INLINE LightPick(const LocalLightView& view, const LightChoice& choice, const float* u,
-                       std::uint32_t i, std::uint32_t n) {
+                       std::uint32_t i, std::uint32_t n, const SurfaceColumns* surfaces = nullptr) {
     VU target = ToUnsigned(Load(u + i) * float(kChoiceUnits));
-    const VU end = SetU(choice.first[view.count]);
-    const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
+    VU units = SetU(choice.first[view.count]);
+    const MU picks = hn::And(RowsBelow(i, n), hn::Gt(units, target));
     picked = hn::RebindMask(F(), picks);
     if (none()) return;
     target = hn::IfThenElseZero(picks, target);
-    light = FindLight(choice, view.count, target);
-    probability = Probability(choice, light);
+    if (choice.tree != nullptr && surfaces != nullptr) {
+      PickByTree(*choice.tree, *surfaces, i, picks, target, units);
+    } else {
+      light = FindLight(choice, view.count, target);
+      probability = Probability(choice, light);
+      target = target - Gather(choice.first, light);
+    }
     // The uniform is taken in the middle of its 2^-24, so the rest is in (0, 1) and uniform there.
-    const VF left = ToFloat(target - Gather(choice.first, light)) + 0.5f;
-    rest = left / (probability * float(kChoiceUnits));
+    rest = (ToFloat(target) + 0.5f) / (probability * float(kChoiceUnits));
+  }
+  // This is a function of its own, so that it takes no registers from the loops that pick by power.
+  HWY_NOINLINE void PickByTree(const LightTreeView& tree, const SurfaceColumns& surfaces,
+                               std::uint32_t i, MU picks, VU& target, VU units) {
+    const Receivers to = ReceiversOf(tree, surfaces, hn::Iota(U(), i), picks);
+    light = PickFromLightTree(tree, to, target, units);
+    probability = ToFloat(units) * (1.0f / kChoiceUnits);
   }
   HWY_INLINE bool none() const { return hn::AllFalse(F(), picked); }
 

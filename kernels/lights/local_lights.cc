@@ -79,13 +79,14 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
-                       const HitColumns* places) {
-  const VF infinity = Set(std::numeric_limits<float>::infinity());
+                       std::uint32_t n, float samples, const LightColumns& out,
+                       const ReachColumns& reach, const HitColumns* places) {
+  const VF infinity = Set(std::numeric_limits<float>::infinity()), none = Set(-1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const LightPick pick(view, choice, uniforms.u, i, n);
+    const LightPick pick(view, choice, uniforms.u, i, n, &surfaces);
     if (pick.none()) {
-      Store(infinity, reach + i);
+      Store(infinity, reach.distance + i);
+      if (reach.light != nullptr) Store(none, reach.light + i);
       if (places != nullptr) Store(SetU(kNoHit), places->geom + i);
       continue;
     }
@@ -108,7 +109,10 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,
            out.g + i, out.b + i);
     Store(IfThen(picked, drawn.pdf, Load(out.pdf + i)), out.pdf + i);
-    Store(IfThen(picked, drawn.reach, infinity), reach + i);
+    Store(IfThen(picked, drawn.reach, infinity), reach.distance + i);
+    if (reach.light != nullptr) {
+      Store(IfThen(picked, ToFloat(pick.light), none), reach.light + i);
+    }
     if (places == nullptr) continue;
     const MF inside = hn::And(picked, light.Is(LocalLightKind::kTriangle));
     Store(IfThen(hn::RebindMask(U(), inside), SetU(0), SetU(kNoHit)), places->geom + i);
@@ -124,9 +128,20 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
   }
 }
 
+// Returns the probability with which the surfaces that rays i and on have left pick `light` from
+// `units` units. Rays without a density may have left none, and need none.
+HWY_NOINLINE VF ProbabilityInTree(const LightTreeView& tree, std::uint32_t units,
+                                  const RayColumns& rays, const SurfaceColumns& left,
+                                  std::uint32_t i, MU emits, VU light) {
+  const MU drawn = hn::RebindMask(U(), hn::Gt(Load(rays.pdf + i), hn::Zero(F())));
+  const Receivers from = ReceiversOf(tree, left, Load(rays.from + i), hn::And(emits, drawn));
+  return ToFloat(UnitsInLightTree(tree, from, light, SetU(units))) * (1.0f / kChoiceUnits);
+}
+
 std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
                                 const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                                float samples, const EscapeColumns& emitter_hits, float* arrival) {
+                                float samples, const SurfaceColumns& left,
+                                const EscapeColumns& emitter_hits, float* arrival) {
   std::uint32_t to = 0;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
@@ -151,7 +166,11 @@ std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& c
     if (rows.count() == 0) continue;
 
     const VF t = Load(rays.t_far + i);
-    const VF probability = Probability(choice, index) * samples;
+    const VF probability =
+        (choice.tree != nullptr ? ProbabilityInTree(*choice.tree, choice.first[view.count], rays,
+                                                    left, i, emits, index)
+                                : Probability(choice, index)) *
+        samples;
     V3 radiance = light.emission();
     if (view.emission_texture != nullptr) {
       radiance =
@@ -193,8 +212,8 @@ HWY_EXPORT(IntersectEmitters);
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
-                       const HitColumns* places) {
+                       std::uint32_t n, float samples, const LightColumns& out,
+                       const ReachColumns& reach, const HitColumns* places) {
   HWY_DYNAMIC_DISPATCH(SampleLocalLights)
   (view, choice, surfaces, uniforms, n, samples, out, reach, places);
 }
@@ -203,9 +222,10 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 }
 std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
                                 const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                                float samples, const EscapeColumns& emitter_hits, float* arrival) {
-  return HWY_DYNAMIC_DISPATCH(IntersectEmitters)(view, choice, rays, hits, n, samples, emitter_hits,
-                                                 arrival);
+                                float samples, const SurfaceColumns& left,
+                                const EscapeColumns& emitter_hits, float* arrival) {
+  return HWY_DYNAMIC_DISPATCH(IntersectEmitters)(view, choice, rays, hits, n, samples, left,
+                                                 emitter_hits, arrival);
 }
 
 }  // namespace skywave

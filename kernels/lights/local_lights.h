@@ -7,6 +7,7 @@
 
 #include "kernels/columns.h"
 #include "kernels/lights/light_shapes.h"
+#include "kernels/lights/light_tree.h"
 #include "kernels/surface/texture.h"
 
 namespace skywave {
@@ -43,14 +44,17 @@ static_assert(sizeof(LocalLight) == 16 * sizeof(float));
 
 // A uniform u in [0, 1), a multiple of 2^-24, picks light i if first[i] <= 2^24 u < first[i + 1].
 // These are integers, so the probability that is reported is the one that is drawn. From `share` on
-// u picks no light.
+// u picks no light. With a tree each surface has intervals of its own, which end there too.
 struct LightChoice {
   const std::uint32_t* first = nullptr;  // one entry more than there are lights; first[0] = 0
   float share = 0;                       // 2^-24 times the last entry
+  const LightTreeView* tree = nullptr;
 };
 
 // As many lights can each take a light sample of every surface.
 inline constexpr std::uint32_t kMostOfEach = 4096;
+// A scene has no more lights.
+inline constexpr std::uint32_t kMaxLocalLights = 1u << 22;
 
 struct LocalLightView {
   const LocalLight* lights = nullptr;
@@ -65,7 +69,8 @@ struct LocalLightView {
   // The density of hits if each light takes a sample is that of `each_samples` picks by `each`.
   LightChoice each;
   float each_samples = 1;
-  bool has_alpha = false;  // true if rays may pass through some triangles
+  const LightTreeView* tree = nullptr;  // null: none is asked for
+  bool has_alpha = false;               // true if rays may pass through some triangles
   // Row in the texture table + 1 per light, 0 for none; null if no emission has a texture. Light
   // samples and rays that hit the triangle both read level 0, so they see the same light.
   const std::uint32_t* emission_texture = nullptr;
@@ -74,26 +79,39 @@ struct LocalLightView {
 };
 inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 
+// How far light samples reach and which local lights they go to.
+struct ReachColumns {
+  float* distance;  // to the light, less a margin that keeps its own triangle from being hit
+  float* light;     // its number; -1: none was picked; null: nobody asks
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.distance), f(self.light);
+  }
+};
+static_assert(kMaxLocalLights <= 1u << 24, "a float holds the number of a light");
+
 // Puts a light sample into each of rows [0, n) whose uniforms.u picks a light: dir, r, g, b and pdf
-// of `out`, and in `reach` its distance, less a margin that keeps its own triangle from being hit.
-// The other rows keep what they hold, with an infinite reach. Points on triangles are uniform in
-// area. `samples` is the number of picks per surface, which densities include. `places`, if it is
-// not null, gets the points: triangle, u and v; geom is kNoHit in rows without one.
+// of `out`, and its `reach`. The other rows keep what they hold, with an infinite distance. Points
+// on triangles are uniform in area. `samples` is the number of picks per surface, which densities
+// include. `places`, if it is not null, gets the points: triangle, u and v; geom is kNoHit in rows
+// without one.
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
-                       const HitColumns* places = nullptr);
+                       std::uint32_t n, float samples, const LightColumns& out,
+                       const ReachColumns& reach, const HitColumns* places = nullptr);
 
 // Ends the open ones of shadow rays [0, n) at `reach`.
 void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights);
 
 // Copies those of rays [0, n) that hit the emitting side of a triangle to `emitter_hits`, in order,
 // from its row 0 on, with its radiance and the density of SampleLocalLights there; returns their
-// number. At least one triangle emits. For `arrival`, if it is not null, see
+// number. At least one triangle emits. `left` are the surfaces that the rays have left, which a
+// choice with a tree reads. For `arrival`, if it is not null, see
 // kernels/light_paths/arrival.h.
 std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
                                 const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                                float samples, const EscapeColumns& emitter_hits,
-                                float* arrival = nullptr);
+                                float samples, const SurfaceColumns& left,
+                                const EscapeColumns& emitter_hits, float* arrival = nullptr);
 
 }  // namespace skywave

@@ -137,6 +137,19 @@ LightSource ReadLightSource(const StrategyValues& values, std::string_view key) 
   return kEnumNames<LightSource>[ChoiceValue(values, key, NamesOf<LightSource>())].value;
 }
 
+void RequireDefaults(std::string_view strategy, std::span<const StrategyParameter> parameters,
+                     const StrategyValues& values, std::initializer_list<std::string_view> used) {
+  for (const StrategyParameter& parameter : parameters) {
+    const bool may_differ = parameter.key == kFileParameter.key ||
+                            std::find(used.begin(), used.end(), parameter.key) != used.end();
+    const std::string& value = TextValue(values, parameter.key);
+    if (may_differ || value == parameter.default_value) continue;
+    throw OptionError("strategy", std::string(strategy),
+                      fmt::format("{}={} and file= both choose the lights: leave one of them out",
+                                  parameter.key, value));
+  }
+}
+
 LightOptions ReadLightOptions(const StrategyValues& values) {
   LightOptions options;
   options.bias = AutoValue(values, "lights", kLeastBias, 1);

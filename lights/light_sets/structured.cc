@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kEnergyNoise = 1e-12;  // of the whole map: what is left of a sum of its texels
 
-// Connected parts of the map, as trees of texels (union by lower index).
-class Parts {
+// Texels that are connected, as trees (union by lower index).
+class Connected {
  public:
-  explicit Parts(std::size_t texels) : parent_(texels) {
+  explicit Connected(std::size_t texels) : parent_(texels) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
   std::uint32_t Root(std::uint32_t i) {
@@ -52,11 +52,60 @@ std::vector<std::uint8_t> Levels(const SphereMap& map, int levels) {
   return level;
 }
 
-// The texels of a part that have no cell yet.
-struct OpenPart {
+// A connected part of the texels that reach a threshold, without those of the next one: these have
+// parts of their own, whose texels come to it if they get no cell.
+struct Part {
   std::vector<std::uint32_t> texels;
+  std::uint32_t below = kNoCell;  // the part of the next lower threshold that it lies in
   double energy = 0, solid_angle = 0;
+
+  void Add(const Part& other) {
+    texels.insert(texels.end(), other.texels.begin(), other.texels.end());
+    energy += other.energy, solid_angle += other.solid_angle;
+  }
 };
+
+// Returns the parts from the highest threshold to the lowest, those of one in the order of their
+// first texels.
+std::vector<Part> PartsOf(const SphereMap& map, const std::vector<std::uint8_t>& level,
+                          int levels) {
+  const auto width = std::uint32_t(map.width), texels = std::uint32_t(level.size());
+  Connected connected(texels);
+  std::vector<Part> parts;
+  // The part of each texel, of the threshold before and of this one.
+  std::vector<std::uint32_t> above(texels, kNoCell), part_of_root(texels), here(texels);
+  for (int at = levels - 1; at >= 0; --at) {
+    for (std::uint32_t i = 0; i < texels; ++i) {
+      if (level[i] != at) continue;
+      const std::uint32_t x = i % width, row = i - x;
+      const auto join = [&](std::uint32_t neighbour) {
+        if (level[neighbour] >= at) connected.Join(i, neighbour);
+      };
+      join(row + (x + 1) % width), join(row + (x + width - 1) % width);
+      if (row >= width) join(i - width);
+      if (i + width < texels) join(i + width);
+    }
+    std::fill(part_of_root.begin(), part_of_root.end(), kNoCell);
+    for (std::uint32_t i = 0; i < texels; ++i) {
+      if (level[i] < at) continue;
+      std::uint32_t& part = part_of_root[connected.Root(i)];
+      if (part == kNoCell) {
+        part = std::uint32_t(parts.size());
+        parts.emplace_back();
+      }
+      here[i] = part;
+      if (above[i] != kNoCell) {
+        parts[above[i]].below = part;
+      } else {
+        parts[part].texels.push_back(i);
+        parts[part].energy += map.Energy(int(i % width), int(i / width));
+        parts[part].solid_angle += map.solid_angle[i / width];
+      }
+    }
+    for (std::uint32_t i = 0; i < texels; ++i) above[i] = level[i] < at ? kNoCell : here[i];
+  }
+  return parts;
+}
 
 struct StrataCutter {
   const SphereMap& map;
@@ -69,7 +118,7 @@ struct StrataCutter {
   double Energy(std::uint32_t texel) const {
     return map.Energy(int(texel % std::uint32_t(map.width)), int(texel / std::uint32_t(map.width)));
   }
-  double Importance(const OpenPart& part, const StructuredParameters& parameters) const {
+  double Importance(const Part& part, const StructuredParameters& parameters) const {
     return part.energy * std::pow(std::min(part.solid_angle, parameters.widest), parameters.power);
   }
 
@@ -88,7 +137,7 @@ struct StrataCutter {
   }
 
   // Cuts a part into at most `count` cells.
-  void Cut(const OpenPart& part, int count) {
+  void Cut(const Part& part, int count) {
     const std::size_t texels = part.texels.size();
     std::vector<Vector3> direction(texels);
     std::vector<double> energy(texels);
@@ -139,62 +188,25 @@ PlacedCells StructuredCells(const SphereMap& map, int count,
   if (!(map.energy > 0)) return std::move(cutter.placed);
   const std::vector<std::uint8_t> level = Levels(map, parameters.levels);
 
-  // Parts of a level, in the order of their first texels, each with its texels that are open. The
-  // first round measures the importance of all, as if each had a sample; the second one cuts.
+  std::vector<Part> parts = PartsOf(map, level, parameters.levels);
   double importance_left = 0, energy_left = map.energy;
+  for (const Part& part : parts) importance_left += cutter.Importance(part, parameters);
   int samples_left = count;
-  for (const bool cutting : {false, true}) {
-    Parts parts(map.texels());
-    std::vector<std::uint32_t> open;
-    for (int at = parameters.levels - 1; at >= 0; --at) {
-      for (std::uint32_t i = 0; i < level.size(); ++i) {
-        if (level[i] != at) continue;
-        open.push_back(i);
-        const auto width = std::uint32_t(map.width);
-        const std::uint32_t x = i % width, row = i - x;
-        const auto join = [&](std::uint32_t neighbour) {
-          if (level[neighbour] >= at) parts.Join(i, neighbour);
-        };
-        join(row + (x + 1) % width), join(row + (x + width - 1) % width);
-        if (row >= width) join(i - width);
-        if (i + width < level.size()) join(i + width);
-      }
-      std::vector<std::uint32_t> part_of_root(level.size(), kNoCell);
-      std::vector<OpenPart> found;
-      std::sort(open.begin(), open.end());
-      for (const std::uint32_t i : open) {
-        std::uint32_t& part = part_of_root[parts.Root(i)];
-        if (part == kNoCell) {
-          part = std::uint32_t(found.size());
-          found.emplace_back();
-        }
-        found[part].texels.push_back(i);
-        found[part].energy += cutter.Energy(i);
-        found[part].solid_angle += map.solid_angle[i / std::size_t(map.width)];
-      }
-      open.clear();
-      for (const OpenPart& part : found) {
-        const double importance = cutter.Importance(part, parameters);
-        if (!cutting) {
-          importance_left += importance;
-          continue;
-        }
-        const bool last = energy_left - part.energy <= kEnergyNoise * map.energy;
-        const double share = importance_left > 0 ? std::min(1.0, importance / importance_left) : 1;
-        const int samples =
-            last ? samples_left
-                 : std::min(int(std::lround(samples_left * share)), samples_left - 1);
-        importance_left = std::max(0.0, importance_left - importance);
-        const auto before = cutter.placed.samples.size();
-        if (part.energy > 0) cutter.Cut(part, samples);
-        const auto placed = int(cutter.placed.samples.size() - before);
-        samples_left -= placed;
-        if (placed > 0) {
-          energy_left -= part.energy;
-        } else {
-          open.insert(open.end(), part.texels.begin(), part.texels.end());
-        }
-      }
+  for (const Part& part : parts) {
+    const double importance = cutter.Importance(part, parameters);
+    const bool last = energy_left - part.energy <= kEnergyNoise * map.energy;
+    const double share = importance_left > 0 ? std::min(1.0, importance / importance_left) : 1;
+    const int samples =
+        last ? samples_left : std::min(int(std::lround(samples_left * share)), samples_left - 1);
+    importance_left = std::max(0.0, importance_left - importance);
+    const auto before = cutter.placed.samples.size();
+    if (part.energy > 0) cutter.Cut(part, samples);
+    const auto placed = int(cutter.placed.samples.size() - before);
+    samples_left -= placed;
+    if (placed > 0) {
+      energy_left -= part.energy;
+    } else if (part.below != kNoCell) {
+      parts[part.below].Add(part);
     }
   }
   return std::move(cutter.placed);

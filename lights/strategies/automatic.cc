@@ -4,7 +4,6 @@ namespace skywave {
 namespace {
 
 // The default of the strategies themselves.
-constexpr int kProductCells = 96;
 constexpr std::uint32_t kPortalTexels = 1024;
 constexpr double kPortalShare = 0.125;
 
@@ -12,7 +11,7 @@ constexpr double kPortalShare = 0.125;
 
 AutomaticStrategy::AutomaticStrategy(const EnvironmentMap& map, double compensate)
     : importance_(map, compensate),
-      product_(map, kProductCells),
+      product_(map, kDefaultProductCells),
       visibility_(map, {.compensate = compensate}) {
   // The costs are those of renders of Sponza and of the built-in scene `room`, where a ray takes
   // about 200 ns.

@@ -244,7 +244,7 @@ std::span<const StrategyParameter> HybridParameters() {
     all.push_back({"rest-from", kSameSource, "who places these cells: as from; same: from's own"});
     all.push_back(
         {"rest-mode", "fixed", "fixed: the light of such a cell; jittered: a texel in it"});
-    all.push_back({"rest-cells", kDefaultProductCells, "cells of B (rest=product)"});
+    all.push_back({"rest-cells", kDefaultProductCellsText, "cells of B (rest=product)"});
     all.push_back({"inside", "0", "1: a random sample inside each of A's cells, not its light"});
     return all;
   }();
@@ -279,8 +279,11 @@ HybridOptions ReadHybridOptions(const StrategyValues& values) {
     throw OptionError("strategy", "hybrid",
                       "inside=1 needs another rest than product, whose density is of B alone");
   }
-  if (options.lights.bias && !options.file.empty()) {
-    throw OptionError("strategy", "hybrid", "lights=auto and a file both choose the lights");
+  if (!options.file.empty()) {
+    RequireDefaults(
+        "hybrid", HybridParameters(), values,
+        {"from", "position", "longest", "lloyd", "cluster", "clusters", "separation", "pick",
+         "rest", "rest-samples", "rest-from", "rest-mode", "rest-cells", "inside"});
   }
   const bool for_lights = options.strata.kind == StrataRequest::Kind::kLights;
   if (options.lights.bias && (options.inside || for_lights)) {

@@ -49,7 +49,7 @@ struct HybridOptions {
   HybridRest rest = HybridRest::kImportance;
   LightSource rest_source = LightSource::kPenrose;  // of kLights and kCells
   int rest_samples = 360;                           // likewise
-  int rest_cells = 96;                              // of kProduct
+  int rest_cells = kDefaultProductCells;            // of kProduct
   bool inside = false;
 };
 

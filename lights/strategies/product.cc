@@ -131,7 +131,7 @@ void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n
 
 StrategyFactory ProductFactory() {
   static constexpr StrategyParameter kParameters[] = {
-      {"cells", kDefaultProductCells, "number of cells that the map is cut into, up to 256"}};
+      {"cells", kDefaultProductCellsText, "number of cells that the map is cut into, up to 256"}};
   return {
       "product", "cells of the map picked by light times BSDF (Conty Estevez and Lecocq 2018)",
       kParameters,

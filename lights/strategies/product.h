@@ -28,7 +28,10 @@ LightSet CutCells(const SphereMap& map, int cells);
 std::vector<LightCell> MakeLightCells(const SphereMap& map, const LightSet& set,
                                       const std::array<float, 9>& map_from_world);
 
-inline constexpr std::string_view kDefaultProductCells = "96";  // the default
+inline constexpr int kDefaultProductCells = 96;
+inline constexpr std::string_view kDefaultProductCellsText = "96";
+static_assert((kDefaultProductCellsText[0] - '0') * 10 + kDefaultProductCellsText[1] - '0' ==
+              kDefaultProductCells);
 
 class ProductStrategy final : public EnvStrategy {
  public:

@@ -163,39 +163,10 @@ void RequireCells(const SphereMap& light, const LightSet& set, const std::string
     if (set.cell_of_texel[i] != kNoCell || !(light.luminance[i] > 0)) continue;
     throw InputError(
         InputPosition::File(file),
-        fmt::format("texel {}, {} of the map has light and no cell: mode=jittered needs "
-                    "cells everywhere, as without --strata",
+        fmt::format("texel {}, {} of the map has light and no cell: presampled needs cells "
+                    "everywhere, as without --strata (hybrid takes a part of the map)",
                     i % std::size_t(light.width), i / std::size_t(light.width)));
   }
-}
-
-std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
-                                            const StrategyValues& values) {
-  constexpr std::string_view kModes[] = {"fixed", "jittered"};
-  LightOptions options = ReadLightOptions(values);
-  options.source = ReadLightSource(values);
-  const std::string& file = TextValue(values, kFileParameter.key);
-  const auto lights_of = [&](const SphereMap& light) {
-    return file.empty() ? BuildLights(light, options) : ReadLightFile(file, light);
-  };
-  if (ChoiceValue(values, "mode", kModes) == 0) {
-    return std::make_unique<LightsStrategy>("presampled", map,
-                                            lights_of(MakeSphereMap(map.latlong)),
-                                            /*all=*/false);
-  }
-  if (options.bias) {
-    throw OptionError("strategy", "presampled",
-                      "lights=auto needs mode=fixed: samples inside cells are unbiased");
-  }
-  // The light that samples will find is cut into cells, so that every texel with light has one.
-  const Image held = Texels(map).Held();
-  const SphereMap light = MakeSphereMap(held);
-  const LightSet cells = lights_of(light);
-  if (!file.empty()) RequireCells(light, cells, file);
-  // A black map has no cells: one that is all of it is sampled uniformly.
-  if (cells.lights.empty()) return MakeAlias(map, values);
-  return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
-                                        std::uint32_t(cells.lights.size()));
 }
 
 std::span<const StrategyParameter> PresampledParameters() {
@@ -212,6 +183,38 @@ std::span<const StrategyParameter> PresampledParameters() {
     return all;
   }();
   return parameters;
+}
+
+std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
+                                            const StrategyValues& values) {
+  constexpr std::string_view kModes[] = {"fixed", "jittered"};
+  LightOptions options = ReadLightOptions(values);
+  options.source = ReadLightSource(values);
+  const std::string& file = TextValue(values, kFileParameter.key);
+  if (!file.empty()) RequireDefaults("presampled", PresampledParameters(), values, {"mode"});
+  const auto lights_of = [&](const SphereMap& light) {
+    if (file.empty()) return BuildLights(light, options);
+    LightSet set = ReadLightFile(file, light);
+    RequireCells(light, set, file);
+    return set;
+  };
+  if (ChoiceValue(values, "mode", kModes) == 0) {
+    return std::make_unique<LightsStrategy>("presampled", map,
+                                            lights_of(MakeSphereMap(map.latlong)),
+                                            /*all=*/false);
+  }
+  if (options.bias) {
+    throw OptionError("strategy", "presampled",
+                      "lights=auto needs mode=fixed: samples inside cells are unbiased");
+  }
+  // The light that samples will find is cut into cells, so that every texel with light has one.
+  const Image held = Texels(map).Held();
+  const SphereMap light = MakeSphereMap(held);
+  const LightSet cells = lights_of(light);
+  // A black map has no cells: one that is all of it is sampled uniformly.
+  if (cells.lights.empty()) return MakeAlias(map, values);
+  return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
+                                        std::uint32_t(cells.lights.size()));
 }
 
 }  // namespace

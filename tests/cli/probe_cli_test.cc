@@ -365,17 +365,29 @@ TEST_F(ProbeCommand, PresampledCellsGiveThePictureOfThoseThatTheStrategyMakes) {
   ASSERT_EQ(Probe("presample exact.exr -n 9 --strata variation -o bright.json"), 0) << out_;
   EXPECT_EQ(render("hybrid:file=bright.json"), render("hybrid:lights=9,position=sample"));
   EXPECT_NE(render("hybrid:file=bright.json"), render("hybrid:file=set.json"));
-  // Outside of the bright part no texel has a cell.
-  const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
-                                  " render spheres --env exact.exr --spp 1 --size 8x6 -o out.exr "
-                                  "--strategy presampled:file=bright.json > out.txt 2>&1")
-                                     .c_str());
-  EXPECT_EQ(WEXITSTATUS(status), kExitBadInput);
-  EXPECT_NE(ReadFile(File("out.txt"))
-                .find("bright.json: texel 0, 0 of the map has light and no "
-                      "cell"),
-            std::string::npos)
-      << ReadFile(File("out.txt"));
+  const auto refusal = [&](const std::string& strategy, int code) {
+    const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
+                                    " render spheres --env exact.exr --spp 1 --size 8x6 -o out.exr "
+                                    "--strategy " +
+                                    strategy + " > out.txt 2>&1")
+                                       .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), code) << strategy;
+    return ReadFile(File("out.txt"));
+  };
+  // Outside of the bright part no texel has a cell, and its light would be lost.
+  for (const char* mode : {"fixed", "jittered"}) {
+    EXPECT_NE(refusal(std::string("presampled:file=bright.json,mode=") + mode, kExitBadInput)
+                  .find("bright.json: texel 0, 0 of the map has light and no cell"),
+              std::string::npos);
+  }
+  // What the file has chosen is not chosen again.
+  for (const char* strategy :
+       {"presampled:file=set.json,lights=9", "presampled:file=set.json,from=median-cut",
+        "hybrid:file=bright.json,strata=p"}) {
+    EXPECT_NE(refusal(strategy, kExitUsage)
+                  .find("and file= both choose the lights: leave one of them out"),
+              std::string::npos);
+  }
 }
 
 TEST_F(ProbeCommand, AMapIsNeverOverwritten) {

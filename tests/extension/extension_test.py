@@ -45,92 +45,6 @@ def write(path, text):
         path.write_text(text)
 
 
-# What the twin of `direct` has of its own: an option, a table of a worker and data of a pass, which
-# scale its picture.
-INTEGRATOR = """struct TwinOptions {
-  float gain = 1;
-};
-
-struct TwinTables {
-  explicit TwinTables(std::uint32_t wave) : gains(wave) {}
-  std::vector<float> gains;
-};
-
-struct TwinPass {
-  float gain;
-};
-
-RenderOption TwinGain() {
-  return MakeRenderOption({.name = "twin-gain", .help = "factor of the picture",
-                           .scope = OptionScope::kPixels,
-                           .example = "--integrator twin --twin-gain 2"},
-                          SKYWAVE_FIELD_OF(TwinOptions, gain), Floats(0, 8));
-}
-
-void ForEachPass(const FrameView& frame, WorkerPool&, PhotonCounts&, const RenderPass& render) {
-  const TwinPass pass = {.gain = frame.options.of<TwinOptions>().gain};
-  FrameView view = frame;
-  view.Show(&pass);
-  render(view);
-}
-
-void Amplify(const FrameView& frame, std::uint32_t n, Worker& w) {
-  std::vector<float>& gains = w.of<TwinTables>().gains;
-  std::fill(gains.begin(), gains.end(), frame.find<TwinPass>()->gain);
-  const PathColumns& paths = w.paths;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    paths.r[i] *= gains[i], paths.g[i] *= gains[i], paths.b[i] *= gains[i];
-  }
-}
-
-"""
-
-# A policy whose pilot counts the paths that meet something, and which then draws uniformly.
-POLICY = """// Draws uniformly what other strategies draw by the map.
-#include "lights/strategies/baselines.h"
-#include "wavefront/paths/pilot.h"
-#include "wavefront/policy.h"
-#include "wavefront/render_option.h"
-
-namespace skywave {
-namespace {
-
-struct TwinPolicyOptions {
-  bool evenly = false;
-};
-
-std::span<const RenderOption> Options() {
-  static const RenderOption table[] = {
-      MakeRenderOption({.name = "evenly", .help = "draw light uniformly",
-                        .scope = OptionScope::kPixels, .example = "--evenly"},
-                       SKYWAVE_FIELD_OF(TwinPolicyOptions, evenly), Switches())};
-  return table;
-}
-
-std::shared_ptr<const void> Teach(FrameView& frame, const Pilots& pilots) {
-  if (!frame.options.of<TwinPolicyOptions>().evenly) return nullptr;
-  const FrameView pilot = PilotView(frame, *frame.strategy, PilotShare(frame));
-  const std::vector<float> met = TracePilot<float>(
-      pilot, pilots.pool, [&](const WaveRange& range, Worker& w, std::vector<float>& found) {
-        FollowToSurfaces(pilot, range, kFirstDeltaBsdf, 1, w, [&](const std::vector<float>&) {
-          found.resize(found.size() + w.ranges.total());
-        });
-      });
-  pilots.reports.counts.push_back({.policy = "evenly", .found = "surfaces",
-                                   .paths = PilotPaths(pilot), .samples = met.size()});
-  auto even = std::make_shared<UniformStrategy>(*frame.map);
-  frame.strategy = even.get();
-  return even;
-}
-
-}  // namespace
-
-PolicyDescriptor TwinPolicy() { return {.options = Options, .teach = Teach}; }
-
-}  // namespace skywave
-"""
-
-
 class Additions:
     """The files and lines that are added; everything else is the tree's."""
 
@@ -161,6 +75,11 @@ def twin(name, *renames):
     return text
 
 
+def added(name):
+    """The text of a file that lies beside this test."""
+    return (pathlib.Path(__file__).parent / name).read_text()
+
+
 def additions():
     add = Additions()
     # A BSDF, and the line of a reader that maps a material to it.
@@ -171,32 +90,11 @@ def additions():
              '  if (type == "twin") { Material m = Lambert(context); m.bsdf = BsdfKind::kTwin; '
              "return m; }\n")
     # A light strategy.
-    add.file("lights/strategies/twin.cc", """// The uniform strategy under another name.
-#include "lights/strategies/baselines.h"
-
-namespace skywave {
-StrategyFactory TwinFactory() {
-  return {"twin", "uniform under another name", {},
-          [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
-            return std::make_unique<UniformStrategy>(map);
-          }};
-}
-
-}  // namespace skywave
-""")
+    add.file("lights/strategies/twin.cc", added("twin_strategy.cc"))
     add.line("lights/strategies/strategies.cc", "  STRATEGY(Hybrid)", " STRATEGY(Twin)")
     # An integrator, and a policy.
-    add.file("wavefront/integrators/twin.cc",
-             twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator"),
-                  ("#include <span>\n", "#include <algorithm>\n#include <span>\n"),
-                  ("void RenderDirectWave(", INTEGRATOR + "void RenderDirectWave("),
-                  ("  FinishWave(", "  Amplify(frame, range.count, w);\n  FinishWave("),
-                  ("  AddPlaceTables(options, worker);\n",
-                   "  AddPlaceTables(options, worker);\n"
-                   "  worker.tables.Add<TwinTables>(options.wave);\n"),
-                  ("    return rows;\n", "    rows.push_back(TwinGain());\n    return rows;\n"),
-                  (".add_tables = AddTables", ".add_tables = AddTables, .for_each_pass = ForEachPass")))
-    add.file("wavefront/policies/twin.cc", POLICY)
+    add.file("wavefront/integrators/twin.cc", added("twin_integrator.cc"))
+    add.file("wavefront/policies/twin.cc", added("twin_policy.cc"))
     add.line("wavefront/policy.h", "  POLICY(Guide)", " POLICY(Twin)")
     add.line("wavefront/integrator.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
              ' INTEGRATOR(Twin, "twin")')

@@ -102,7 +102,8 @@ TEST_P(ShapedLight, SamplesMatchTheOracle) {
     const auto surfaces = SurfacesAround(light(), directions);
     const auto uniforms = RandomUniforms(2048, 32);
     soa::Table<LightColumns> out(2048);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, 2048, 1, out, out->t_far);
+    const soa::Table<ReachColumns> reach(2048);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, 2048, 1, out, reach);
     std::uint32_t lit = 0, compared = 0;
     for (std::uint32_t i = 0; i < 2048; ++i) {
       if (!IsSteady(directions[i])) continue;
@@ -198,7 +199,8 @@ TEST_P(ShapedLight, RaysFollowTheDensityOfArrivals) {
     const auto surfaces = SurfacesAround(light(), directions);
     const auto uniforms = RandomUniforms(kAcross, 62);
     soa::Table<LightColumns> samples(kAcross);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kAcross, 1, samples, samples->t_far);
+    const soa::Table<ReachColumns> reach(kAcross);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kAcross, 1, samples, reach);
     std::vector<float> arrival(kAcross + 64);
     SampleArrivals(view_, view_.alone, surfaces, uniforms->u, samples, kAcross, arrival.data());
     for (std::size_t x = 0; x < std::size_t(kAcross); ++x) {

@@ -214,8 +214,9 @@ TEST_F(LocalLightKernels, UniformsAtTheEndsOfALightPickIt) {
       }
       const auto surfaces = RandomSurfaces(3, 5);
       soa::Table<LightColumns> out(3);
+      const soa::Table<ReachColumns> reach(3);
       for (std::uint32_t i = 0; i < 3; ++i) out->r[i] = -1, out->g[i] = 2;
-      SampleLocalLights(view_, choice, surfaces, uniforms, 3, 1, out, out->t_far);
+      SampleLocalLights(view_, choice, surfaces, uniforms, 3, 1, out, reach);
       const float* emission = view_.lights[light].emission;
       for (int i = 0; i < 2; ++i) {
         EXPECT_NEAR(out->r[i] * emission[1], out->g[i] * emission[0],
@@ -224,7 +225,10 @@ TEST_F(LocalLightKernels, UniformsAtTheEndsOfALightPickIt) {
         EXPECT_NE(out->r[i], -1) << light;
       }
       EXPECT_EQ(out->r[2], -1);
-      EXPECT_EQ(out->t_far[2], kInfinity);
+      EXPECT_EQ(reach->distance[2], kInfinity);
+      EXPECT_EQ(reach->light[0], float(light));
+      EXPECT_EQ(reach->light[1], float(light));
+      EXPECT_EQ(reach->light[2], -1);
     }
   });
 }
@@ -236,8 +240,8 @@ TEST_F(LocalLightKernels, SamplesMatchTheReference) {
       const auto surfaces = RandomSurfaces(n, 11);
       const auto uniforms = RandomUniforms(n, 12);
       soa::Table<LightColumns> out(n);
-      SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, float(kSamples), out,
-                        out->t_far);
+      const soa::Table<ReachColumns> reach(n);
+      SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, float(kSamples), out, reach);
       for (std::uint32_t i = 0; i < n; ++i) {
         const std::uint32_t unit = UnitOf(uniforms->u[i]), index = LightAt(unit);
         const LocalLight& light = view_.lights[index];
@@ -280,10 +284,11 @@ TEST_F(LocalLightKernels, SamplesMatchTheReference) {
           ASSERT_NEAR(rgb[c], value, 1e-4 * value + 1e-6) << i;
         }
         if (distant) {
-          ASSERT_EQ(out->t_far[i], kInfinity);
+          ASSERT_EQ(reach->distance[i], kInfinity);
         } else {
           const double short_of = (own + distance * 0x1p-19) / grazing + 2 * surfaces->lift[i];
-          ASSERT_NEAR(out->t_far[i], distance - short_of, 3e-7 * distance + 1e-3 * short_of) << i;
+          ASSERT_NEAR(reach->distance[i], distance - short_of, 3e-7 * distance + 1e-3 * short_of)
+              << i;
         }
       }
     }
@@ -295,7 +300,8 @@ TEST_F(LocalLightKernels, SamplesAreTheSameOnEveryTarget) {
   const auto uniforms = RandomUniforms(kFullWave, 22);
   ExpectSameOnEveryTarget([&] {
     soa::Table<LightColumns> out(kFullWave);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kFullWave, 2, out, out->t_far);
+    const soa::Table<ReachColumns> reach(kFullWave);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kFullWave, 2, out, reach);
     return ColumnBits(out.columns(), kFullWave);
   });
 }
@@ -332,8 +338,8 @@ TEST(LocalLightDensity, InverseDensitiesSumToTheSolidAngle) {
   constexpr std::uint32_t kRows = 1 << 16;
   soa::Table<SurfaceColumns> surfaces(kRows);  // all at the origin
   soa::Table<LightColumns> out(kRows);
-  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 3), kRows, 2, out,
-                    out->t_far);
+  const soa::Table<ReachColumns> reach(kRows);
+  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 3), kRows, 2, out, reach);
   Moments inverse;
   for (std::uint32_t i = 0; i < kRows; ++i) inverse.Add(2 / double(out->pdf[i]));
   const LocalLight& light = view.lights[0];
@@ -350,8 +356,8 @@ TEST(LocalLightDensity, PointsAreUniformOverTheTriangle) {
   constexpr int kSide = 8;
   soa::Table<SurfaceColumns> surfaces(kRows);
   soa::Table<LightColumns> out(kRows);
-  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 4), kRows, 1, out,
-                    out->t_far);
+  const soa::Table<ReachColumns> reach(kRows);
+  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 4), kRows, 1, out, reach);
   const LocalLight& light = view.lights[0];
   const Vec p = Of(light.position), a = Of(light.axis), b = Of(light.edge), n = Cross(a, b);
   std::vector<double> counts(kSide * kSide * 2), expected(kSide * kSide * 2);
@@ -382,7 +388,8 @@ TEST_F(LocalLightKernels, HitTrianglesHaveTheDensityOfTheirSamples) {
     const auto surfaces = RandomSurfaces(n, 31);
     const auto uniforms = RandomUniforms(n, 32);
     soa::Table<LightColumns> samples(n);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, kSamples, samples, samples->t_far);
+    const soa::Table<ReachColumns> reach(n);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, kSamples, samples, reach);
     soa::Table<RayColumns> rays(n);
     soa::Table<HitColumns> hits(n);
     std::vector<std::uint32_t> expected;
@@ -401,14 +408,14 @@ TEST_F(LocalLightKernels, HitTrianglesHaveTheDensityOfTheirSamples) {
       hits->triangle[i] = dark ? 0 : light == 3 ? 1 : 3;
       const Vec cross = Cross(Of(view_.lights[light].axis), Of(view_.lights[light].edge));
       Put(cross, i, hits->ng_x, hits->ng_y, hits->ng_z);
-      rays->t_far[i] = samples->t_far[i];
+      rays->t_far[i] = reach->distance[i];
       if (!dark && samples->pdf[i] > 0) expected.push_back(i);
     }
     ForEachTarget([&] {
       soa::Table<EscapeColumns> emitter_hits(n);
       FillWithGarbage(emitter_hits.columns(), n);
       const std::uint32_t count =
-          IntersectEmitters(view_, view_.alone, rays, hits, n, kSamples, emitter_hits);
+          IntersectEmitters(view_, view_.alone, rays, hits, n, kSamples, surfaces, emitter_hits);
       ASSERT_EQ(count, expected.size());
       for (std::uint32_t k = 0; k < count; ++k) {
         const std::uint32_t i = expected[k];
@@ -445,7 +452,7 @@ TEST(LocalLightIntersection, OneSidedTrianglesAreDarkFromBehind) {
     }
     soa::Table<EscapeColumns> emitter_hits(2);
     const LocalLightView view = one.lights.view();
-    EXPECT_EQ(IntersectEmitters(view, view.alone, rays, hits, 2, 1, emitter_hits),
+    EXPECT_EQ(IntersectEmitters(view, view.alone, rays, hits, 2, 1, {}, emitter_hits),
               two_sided ? 2u : 1u);
     EXPECT_EQ(emitter_hits->dir_z[0], 1);
   }

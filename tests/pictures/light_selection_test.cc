@@ -71,8 +71,8 @@ TEST(LightSelection, ASampleOfEachLightIsTheSumOfTheLights) {
 // samples hit lamp and ball.
 TEST(LightSelection, EverySelectionMatchesTheOracle) {
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
-    for (const LightSelection selection :
-         {LightSelection::kPower, LightSelection::kOne, LightSelection::kAll}) {
+    for (const LightSelection selection : {LightSelection::kPower, LightSelection::kOne,
+                                           LightSelection::kTree, LightSelection::kAll}) {
       for (const bool mis : {true, false}) {
         SCOPED_TRACE(std::string(ToString(selection)) + (mis ? "" : " without MIS"));
         const Scene scene =

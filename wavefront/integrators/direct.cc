@@ -1,14 +1,11 @@
 // Direct light (T 4.2.1). The first surface that is neither mirror nor glass takes light_samples
 // light samples and one BSDF sample against them, or `split` of them (split.cc). Mirrors and glass
 // are followed over up to max_depth surfaces.
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "wavefront/integrator.h"
 #include "wavefront/integrators/path.h"
 #include "wavefront/stages/clamps.h"
-#include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
 #include "wavefront/stages/projection.h"
@@ -61,22 +58,6 @@ void RenderWholeOrSplit(const FrameView& frame, const WaveRange& range, Worker& 
   RenderDirectWave(frame, range, w, film);
 }
 
-std::span<const RenderOption> Options() {
-  static const std::vector<RenderOption> table = [] {
-    std::vector<RenderOption> rows = {SplitOption()};
-    for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
-    return rows;
-  }();
-  return table;
-}
-
-void AddTables(const RenderOptions& options, Worker& worker) {
-  AddPlaceTables(options, worker);
-  AddLinkTables(options, worker);
-  AddClampTables(options, worker);
-  AddSplitTables(options, worker);
-}
-
 }  // namespace
 
 IntegratorDescriptor DirectIntegrator() {
@@ -86,9 +67,9 @@ IntegratorDescriptor DirectIntegrator() {
           .controls = true,
           .has_light_groups = true,
           .has_catchers = true,
-          .options = Options,
+          .options = PathOptions,
           .check = CheckClamps,
-          .add_tables = AddTables,
+          .add_tables = AddPathTables,
           .render_wave = RenderWholeOrSplit};
 }
 

@@ -5,13 +5,9 @@
 // again without them (wavefront/stages/place.h).
 #include "wavefront/integrators/path.h"
 
-#include <span>
-#include <vector>
-
 #include "wavefront/integrator.h"
 #include "wavefront/paths/camera_paths.h"
 #include "wavefront/stages/clamps.h"
-#include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
 #include "wavefront/stages/projection.h"
@@ -34,22 +30,6 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
 
 namespace {
 
-std::span<const RenderOption> Options() {
-  static const std::vector<RenderOption> table = [] {
-    std::vector<RenderOption> rows = {SplitOption()};
-    for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
-    return rows;
-  }();
-  return table;
-}
-
-void AddTables(const RenderOptions& options, Worker& worker) {
-  AddPlaceTables(options, worker);
-  AddLinkTables(options, worker);
-  AddClampTables(options, worker);
-  AddSplitTables(options, worker);
-}
-
 void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Worker& worker,
                              Film& film) {
   if (frame.options.bsdf_samples > 0) return RenderSplitWave(frame, range, worker, film);
@@ -63,9 +43,9 @@ IntegratorDescriptor PathIntegrator() {
           .controls = true,
           .has_light_groups = true,
           .has_catchers = true,
-          .options = Options,
+          .options = PathOptions,
           .check = CheckClamps,
-          .add_tables = AddTables,
+          .add_tables = AddPathTables,
           .render_wave = RenderWholeOrSplitPaths};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
@@ -23,9 +24,9 @@ struct Continuations {
   soa::Table<RadianceColumns> direct;  // sums over the continuations of a path
 };
 
-// The option `split`, for integrators that render with RenderSplitWave, and the tables for it.
-RenderOption SplitOption();
-void AddSplitTables(const RenderOptions& options, Worker& worker);
+// What path tracing and direct light have in common: their options, and the tables of a worker.
+std::span<const RenderOption> PathOptions();
+void AddPathTables(const RenderOptions& options, Worker& worker);
 
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);

@@ -4,14 +4,18 @@
 // RenderPathWave, with light samples of the frame's strategy for continuations. With direct light
 // alone they only see lights: the surface takes `split` BSDF samples (T 4.2.1).
 #include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "wavefront/integrator.h"
 #include "wavefront/integrators/path.h"
 #include "wavefront/paths/camera_paths.h"
 #include "wavefront/policy.h"
 #include "wavefront/stages/clamps.h"
+#include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
+#include "wavefront/stages/place.h"
 
 namespace skywave {
 namespace {
@@ -86,8 +90,6 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
   AddMeans(c.direct, paths, split, w.paths);
 }
 
-}  // namespace
-
 RenderOption SplitOption() {
   // clang-format off
   return Refused("splits paths", MakeRenderOption({.name = "split", .group = "Paths", .help = "BSDF samples of the first hit with a density, each of which goes on as a path; direct: each sees lights", .scope = OptionScope::kPixels, .example = "--split 3", .default_text = "one, by the path itself"},
@@ -95,7 +97,21 @@ RenderOption SplitOption() {
   // clang-format on
 }
 
-void AddSplitTables(const RenderOptions& options, Worker& worker) {
+}  // namespace
+
+std::span<const RenderOption> PathOptions() {
+  static const std::vector<RenderOption> table = [] {
+    std::vector<RenderOption> rows = {SplitOption()};
+    for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
+    return rows;
+  }();
+  return table;
+}
+
+void AddPathTables(const RenderOptions& options, Worker& worker) {
+  AddPlaceTables(options, worker);
+  AddLinkTables(options, worker);
+  AddClampTables(options, worker);
   if (options.bsdf_samples == 0) return;
   AddPolicyTables(options, worker.tables.Add<Continuations>(options.wave).wave);
 }

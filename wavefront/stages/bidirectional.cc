@@ -133,7 +133,7 @@ void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
     const EmitterHits emitter_hits(w.escaped);
     const std::uint32_t met =
         IntersectEmitters(frame.local_lights, shares.local, rays, w.hits, n,
-                          float(shares.plan.drawn), emitter_hits, b.arrival->pdf);
+                          float(shares.plan.drawn), w.surfaces, emitter_hits, b.arrival->pdf);
     if (!alone) MarkPartners(b.eye, met, emitter_hits);
     add(emitter_hits, met);
   }

@@ -38,16 +38,14 @@ const LinkColumns* LinkRows(const FrameView& frame, const Worker& w) {
   return &rows;
 }
 
-void LinkSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                 const float* u, const Worker& w) {
+void LinkSamples(const FrameView& frame, const LightReach& reach, const Worker& w) {
   const LinkColumns* const rows = LinkRows(frame, w);
   if (rows == nullptr) return;
   const LinkView& view = *frame.find<LinkView>();
   const std::uint32_t n = w.ranges.light_sampled();
   std::fill_n(rows->links, n, view.of_environment);
-  ForEachLocalLight(frame, shares, index, u, n, [&](std::uint32_t i, std::size_t light) {
-    rows->links[i] = view.of_light[light];
-  });
+  ForEachLocalLight(
+      reach, n, [&](std::uint32_t i, std::size_t light) { rows->links[i] = view.of_light[light]; });
   const LightColumns& lights = w.lights;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t links = rows->links[i];

@@ -56,11 +56,9 @@ struct LinkTables {
 
 void AddLinkTables(const RenderOptions& options, Worker& worker);
 
-// Takes the radiance of light samples to which their surfaces are not linked. `u` are the uniforms
-// that have picked the lights of sample `index`. Does nothing without links, as all of these
-// functions.
-void LinkSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                 const float* u, const Worker& w);
+// Takes the radiance of light samples to which their surfaces are not linked. Does nothing without
+// links, as all of these functions.
+void LinkSamples(const FrameView& frame, const LightReach& reach, const Worker& w);
 
 // Calls trace(tracer) for the shadow rays of w.lights: without links once.
 template <class Trace>

@@ -106,13 +106,11 @@ void GroupsOfDirections(const FrameView& frame, const float* x, const float* y, 
   }
 }
 
-// Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u` are the
-// uniforms that have picked it.
-void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                          const float* u, const LightColumns& lights, std::uint32_t n,
-                          std::uint32_t* group) {
+// Writes the group of the light that light samples of surfaces [0, n) went to.
+void GroupsOfLightSamples(const FrameView& frame, const LightReach& reach,
+                          const LightColumns& lights, std::uint32_t n, std::uint32_t* group) {
   GroupsOfDirections(frame, lights.dir_x, lights.dir_y, lights.dir_z, n, group);
-  ForEachLocalLight(frame, shares, index, u, n, [&](std::uint32_t i, std::size_t light) {
+  ForEachLocalLight(reach, n, [&](std::uint32_t i, std::size_t light) {
     group[i] = frame.light_groups->of_light[light];
   });
 }
@@ -155,7 +153,7 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
   KeepGroups(frame, rays.path, n, w, [&](std::uint32_t* group) {
     GroupsOfDirections(frame, rays.dir_x, rays.dir_y, rays.dir_z, n, group);
   });
-  AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, from.points.surfaces, EmitterHits(w.escaped), from.paths);
   ShowLights(frame, rays, n, w);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
@@ -282,10 +280,10 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         SampleLights(frame, points, shares, pairs + SamplePair(bounce, SampleUse::kLight), index,
                      uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
-    LinkSamples(frame, shares, index, uniforms->u, w);
+    LinkSamples(frame, reach, w);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w));
-    SeeObjectLamps(frame, shares, index, uniforms->u, w);
+    SeeObjectLamps(frame, reach, w);
     // The first light sample has one of the bounce's numbers; later ones are numbered after those.
     const std::uint32_t event = pairs + SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
@@ -300,7 +298,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     }
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
-      GroupsOfLightSamples(frame, shares, index, uniforms->u, w.lights, n, group);
+      GroupsOfLightSamples(frame, reach, w.lights, n, group);
     });
     clock.Lap(Stage::kAccumulate);
   }

@@ -83,12 +83,11 @@ void AfterShadows(const FrameView& frame, const Worker& w) {
   }
 }
 
-void SeeObjectLamps(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                    const float* u, const Worker& w) {
+void SeeObjectLamps(const FrameView& frame, const LightReach& reach, const Worker& w) {
   if (frame.object_lamps == nullptr) return;
   const PlaceTables* const tables = Watched(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
-  ForEachLocalLight(frame, shares, index, u, n, [&](std::uint32_t i, std::size_t light) {
+  ForEachLocalLight(reach, n, [&](std::uint32_t i, std::size_t light) {
     if (frame.object_lamps[light] == 0) return;
     if (frame.is_of_place()) w.lights->t_far[i] = -1;
     if (tables != nullptr) tables->paths->met[w.surfaces->path[i]] |= kObjectsMatter;

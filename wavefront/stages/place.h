@@ -56,9 +56,8 @@ void BeforeShadows(const FrameView& frame, const Worker& w);
 void AfterShadows(const FrameView& frame, const Worker& w);
 
 // Closes light samples that go to lamps of objects in the frame of the place, and remembers them
-// with objects. `u` are the uniforms that have picked the lights of sample `index`.
-void SeeObjectLamps(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                    const float* u, const Worker& w);
+// with objects.
+void SeeObjectLamps(const FrameView& frame, const LightReach& reach, const Worker& w);
 
 // Gives the film the light of objects and catchers of paths [0, n), which are weighted by the
 // filter and have all their radiance.

@@ -11,6 +11,7 @@
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
 #include "kernels/surface/texture.h"
+#include "wavefront/stages/links.h"
 
 namespace skywave {
 namespace {
@@ -51,6 +52,12 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
   std::fill_n(paths.b, range.count, 0.0f);
 }
 
+// Returns whether a stage asks which local lights samples go to (ForEachLocalLight).
+bool TellsLightsApart(const FrameView& frame) {
+  return frame.light_groups != nullptr || frame.object_lamps != nullptr ||
+         frame.find<LinkView>() != nullptr;
+}
+
 // Draws light samples for the first `n` rows.
 LightReach SampleRows(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
                       LightCall call, std::uint32_t n, const LightUniforms& uniforms,
@@ -73,9 +80,11 @@ LightReach SampleRows(const FrameView& frame, const ShadePoints& points, const L
   }
   if (local.share <= 0) return {};
   LightReach reach(scratch);
+  ReachColumns written = reach;
+  if (!TellsLightsApart(frame)) written.light = nullptr;
   const HitColumns& on_triangles = places;
   SampleLocalLights(frame.local_lights, local, points.surfaces, uniforms, n,
-                    shares.local_samples(index), lights, reach->distance,
+                    shares.local_samples(index), lights, written,
                     frame.local_lights.has_alpha ? &on_triangles : nullptr);
   return reach;
 }
@@ -187,12 +196,13 @@ void AddEscaped(const FrameView& frame, const ShadePoints& from, const std::uint
 }
 
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
-                std::uint32_t n, const EmitterHits& emitter_hits, const PathColumns& paths) {
+                std::uint32_t n, const SurfaceColumns& left, const EmitterHits& emitter_hits,
+                const PathColumns& paths) {
   if (!frame.has_emitters()) return;
   const LightShares shares = frame.light_shares();
   const std::uint32_t count =
       IntersectEmitters(frame.local_lights, shares.ChoiceOfHits(frame.local_lights), rays, hits, n,
-                        shares.hit_samples(frame.local_lights), emitter_hits);
+                        shares.hit_samples(frame.local_lights), left, emitter_hits);
   AddEscapedRadiance(emitter_hits, count, frame.mis(), paths);
 }
 

@@ -75,9 +75,11 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const std::uint32_t* met,
                 const EscapeColumns& escaped, std::uint32_t n, const PathColumns& paths);
 
-// Adds the radiance of rays that hit emitters to their paths.
+// Adds the radiance of rays that hit emitters to their paths. `left` are the surfaces that the rays
+// have left.
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
-                std::uint32_t n, const EmitterHits& emitter_hits, const PathColumns& paths);
+                std::uint32_t n, const SurfaceColumns& left, const EmitterHits& emitter_hits,
+                const PathColumns& paths);
 
 // Draws a sample of the strategy for every row, where local lights take the share `local_share` of
 // the samples, less than 1. Rows that a local light will take over get one too: dense rows save
@@ -112,22 +114,13 @@ struct ControlRows {
   const float* weight = nullptr;
 };
 
-// Calls f(surface, light) for those of surfaces [0, n) whose light sample `index` goes to a local
-// light. `u` are the uniforms that have picked it.
+// Calls f(surface, light) for those of surfaces [0, n) whose light sample goes to a local light.
+// The frame has light groups, links or lamps of objects.
 template <class F>
-void ForEachLocalLight(const FrameView& frame, const LightShares& shares, std::uint32_t index,
-                       const float* u, std::uint32_t n, const F& f) {
-  if (shares.is_of_each(index)) {
-    for (std::uint32_t i = 0; i < n; ++i) f(i, std::size_t{index} - shares.plan.fixed);
-    return;
-  }
-  if (index < shares.first_drawn() || !(shares.local.share > 0)) return;
-  const std::uint32_t* const first = shares.local.first;
-  const std::uint32_t* const end = first + frame.local_lights.count + 1;
+void ForEachLocalLight(const LightReach& reach, std::uint32_t n, const F& f) {
+  if (!reach.limited()) return;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
-    if (target >= end[-1]) continue;
-    f(i, std::size_t(std::upper_bound(first, end, target) - first - 1));
+    if (reach->light[i] >= 0) f(i, std::size_t(reach->light[i]));
   }
 }
 
