@@ -11,9 +11,11 @@
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
 #include "kernels/surface/texture.h"
-#include "wavefront/stages/links.h"
 
 namespace skywave {
+
+struct LinkView;  // wavefront/stages/links.h, which lies above
+
 namespace {
 
 // Returns the column from `row` on; null stays null.
