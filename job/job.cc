@@ -58,7 +58,7 @@ StrategyUse UseOf(const RenderOptions& options, std::uint32_t light_samples) {
 }
 
 // Throws if there are too many local lights for each to take a sample.
-void CheckSelection(const LocalLightView& lights, const RenderOptions& options) {
+void CheckLightCount(const LocalLightView& lights, const RenderOptions& options) {
   if (options.light_selection != LightSelection::kAll || lights.count <= kMostOfEach) return;
   throw OptionError("light-selection", "all",
                     fmt::format("takes a sample of each local light at every surface, of at most "
@@ -292,7 +292,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   if (Sums(options().aovs, AovSum::kMatte) || Sums(options().aovs, AovSum::kNearestHit)) {
     names_ = std::make_shared<Mattes>(MakeMattes(*prepared.scene));
   }
-  CheckSelection(local_lights().view(), options());
+  CheckLightCount(local_lights().view(), options());
   object_lamps_ = ObjectLamps(geometry(), local_lights().view());
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());

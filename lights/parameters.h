@@ -25,6 +25,7 @@ struct StrategyParameter {
   std::string_view key, default_value, meaning;
   // Returns the default for a use; null: it is default_value whatever the use.
   std::string (*default_for)(const StrategyUse& use) = nullptr;
+  bool chooses_lights = false;  // has no say where a file brings them
 };
 using StrategyValues = std::vector<std::pair<std::string, std::string>>;
 

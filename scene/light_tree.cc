@@ -16,6 +16,7 @@ namespace skywave {
 namespace {
 
 constexpr int kBuckets = 12;
+constexpr std::uint32_t kMostLevels = 32;              // LightTreeView::way has a bit for each
 constexpr double kHalfSphere = 2 * glm::pi<double>();  // [sr]
 
 struct Box {
@@ -182,7 +183,7 @@ class Builder {
     if (locals > 0 && locals < lights.size()) return locals;
     // Halves need no more levels than there are left.
     const auto levels = std::uint32_t(std::bit_width(lights.size() - 1));
-    const bool has_room = depth + levels + 1 < kMostLightLevels;
+    const bool has_room = depth + levels + 1 < kMostLevels;
     const std::optional<Plane> plane = has_room && locals > 0 ? BestPlane(lights) : std::nullopt;
     if (!plane) return lights.size() / 2;
     const auto second = std::stable_partition(lights.begin(), lights.end(), [&](std::uint32_t i) {

@@ -44,6 +44,16 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
   }
 }
 
+// Light paths leave lights by power, and the weights of what surfaces find suppose that they pick
+// lights so, too.
+void CheckSelection(const RenderOptions& options, const IntegratorDescriptor& integrator) {
+  if (!integrator.has_light_paths() || options.light_selection == LightSelection::kPower) return;
+  throw OptionError("light-selection", std::string(ToString(options.light_selection)),
+                    fmt::format("is for integrators whose paths all begin at the camera, as path "
+                                "and direct; those of `integrator {}` also leave lights, by power",
+                                ToString(options.integrator)));
+}
+
 // Refuses layers that only other integrators keep.
 void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integrator) {
   const auto refuse = [&](const std::string& why) {
@@ -100,6 +110,7 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
 void CheckIntegrator(const RenderOptions& options) {
   const IntegratorDescriptor& integrator = Describe(options.integrator);
   CheckTaken(options, integrator);
+  CheckSelection(options, integrator);
   CheckLayers(options, integrator);
   if (integrator.check != nullptr) integrator.check(options);
   for (const PolicyDescriptor& policy : Policies()) {

@@ -14,7 +14,7 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const
                     const float* u, const LightColumns& samples, std::uint32_t n, float* arrival) {
   const VF one = Set(1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const LightPick pick(view, choice, u, i, n);
+    const LightPick pick(view, choice, u, i, n, &s);
     if (pick.none()) continue;
     const LightLanes light(view, pick.light);
     // Triangles emit by the cosine over the squared distance, and that is what turns the density of

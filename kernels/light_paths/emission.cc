@@ -159,7 +159,7 @@ void EmitFromLocalLights(const LocalLightView& view, const LightChoice& choice,
                          const EmissionColumns& out, const HitColumns& places) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     Store(SetU(kNoHit), places.geom + i);
-    const LightPick picked(view, choice, pick.u, i, n);
+    const LightPick picked(view, choice, pick.u, i, n, nullptr);
     if (picked.none()) continue;
     const LightLanes light(view, picked.light);
     const VF u = Load(aim.u + i), v = Load(aim.v + i);

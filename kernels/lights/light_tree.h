@@ -25,8 +25,6 @@ inline constexpr std::uint32_t kTwoSidedNode = 1u << 31;  // a normal may as wel
 inline constexpr std::uint32_t kDistantNode = 1u << 30;   // all lights of it are distant
 inline constexpr std::uint32_t kLightNodeCount = kDistantNode - 1;
 
-inline constexpr std::uint32_t kMostLightLevels = 32;
-
 struct LightTreeView {
   const LightNode* nodes = nullptr;  // the root is the first
   // The way to each light: bit d is set if it goes to the second child at depth d.

@@ -6,6 +6,8 @@
 #define SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
 #endif
 
+#include <cassert>
+
 #include "kernels/lights/light_shapes-inl.h"
 #include "kernels/lights/light_tree-inl.h"
 #include "kernels/lights/local_lights.h"
@@ -59,18 +61,19 @@ HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
   return ToFloat(width) * (1.0f / kChoiceUnits);
 }
 
-// Uniforms u of rows i and on, below n, pick these lights. A choice with a tree needs the surfaces
-// that pick them.
+// Uniforms u of rows i and on, below n, pick these lights for `surfaces`. Where light paths begin
+// there are none, and the choice has no tree.
 struct LightPick {
   HWY_INLINE LightPick(const LocalLightView& view, const LightChoice& choice, const float* u,
-                       std::uint32_t i, std::uint32_t n, const SurfaceColumns* surfaces = nullptr) {
+                       std::uint32_t i, std::uint32_t n, const SurfaceColumns* surfaces) {
+    assert(surfaces != nullptr || choice.tree == nullptr);
     VU target = ToUnsigned(Load(u + i) * float(kChoiceUnits));
     VU units = SetU(choice.first[view.count]);
     const MU picks = hn::And(RowsBelow(i, n), hn::Gt(units, target));
     picked = hn::RebindMask(F(), picks);
     if (none()) return;
     target = hn::IfThenElseZero(picks, target);
-    if (choice.tree != nullptr && surfaces != nullptr) {
+    if (choice.tree != nullptr) {
       PickByTree(*choice.tree, *surfaces, i, picks, target, units);
     } else {
       light = FindLight(choice, view.count, target);

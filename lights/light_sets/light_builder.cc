@@ -22,8 +22,10 @@ namespace {
 constexpr double kLeastBias = 1e-4;
 
 constexpr StrategyParameter kLightParameters[] = {
-    {"lights", "64",
-     "number of lights before clustering, or auto:BIAS: as many as that bias needs"},
+    {.key = "lights",
+     .default_value = "64",
+     .meaning = "number of lights before clustering, or auto:BIAS: as many as that bias needs",
+     .chooses_lights = true},
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
     {"longest", "angle", "sides that median cut compares: angle on the sphere, or uv (T 6.2)"},
     {"lloyd", "0", "energy-weighted Lloyd steps"},
@@ -138,12 +140,10 @@ LightSource ReadLightSource(const StrategyValues& values, std::string_view key) 
 }
 
 void RequireDefaults(std::string_view strategy, std::span<const StrategyParameter> parameters,
-                     const StrategyValues& values, std::initializer_list<std::string_view> used) {
+                     const StrategyValues& values) {
   for (const StrategyParameter& parameter : parameters) {
-    const bool may_differ = parameter.key == kFileParameter.key ||
-                            std::find(used.begin(), used.end(), parameter.key) != used.end();
     const std::string& value = TextValue(values, parameter.key);
-    if (may_differ || value == parameter.default_value) continue;
+    if (!parameter.chooses_lights || value == parameter.default_value) continue;
     throw OptionError("strategy", std::string(strategy),
                       fmt::format("{}={} and file= both choose the lights: leave one of them out",
                                   parameter.key, value));

@@ -89,10 +89,10 @@ inline constexpr StrategyParameter kFromParameter = {
 inline constexpr StrategyParameter kFileParameter = {
     "file", "", "lights of a file, as probe presample writes it, in place of those of from"};
 
-// Throws OptionError if another parameter than `used` and the file has a value that is not its
-// default, because the lights of a file are chosen already.
+// Throws OptionError if a parameter that chooses lights has a value that is not its default,
+// because the lights of a file are chosen already.
 void RequireDefaults(std::string_view strategy, std::span<const StrategyParameter> parameters,
-                     const StrategyValues& values, std::initializer_list<std::string_view> used);
+                     const StrategyValues& values);
 
 LightOptions ReadLightOptions(const StrategyValues& values);
 LightSource ReadLightSource(const StrategyValues& values,

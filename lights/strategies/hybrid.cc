@@ -232,9 +232,18 @@ void HybridStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n,
 std::span<const StrategyParameter> HybridParameters() {
   static const std::vector<StrategyParameter> parameters = [] {
     std::vector<StrategyParameter> all = {
-        {"strata", "variation", "where the bright part A ends: variation, p or lights"},
-        {"p", "0.5", "fraction of the energy in A (strata=p)"},
-        {"angle", "10", "degrees between the lights A has room for (strata=lights)"},
+        {.key = "strata",
+         .default_value = "variation",
+         .meaning = "where the bright part A ends: variation, p or lights",
+         .chooses_lights = true},
+        {.key = "p",
+         .default_value = "0.5",
+         .meaning = "fraction of the energy in A (strata=p)",
+         .chooses_lights = true},
+        {.key = "angle",
+         .default_value = "10",
+         .meaning = "degrees between the lights A has room for (strata=lights)",
+         .chooses_lights = true},
         kFromParameter,
         kFileParameter};
     all.insert(all.end(), LightParameters().begin(), LightParameters().end());
@@ -279,12 +288,7 @@ HybridOptions ReadHybridOptions(const StrategyValues& values) {
     throw OptionError("strategy", "hybrid",
                       "inside=1 needs another rest than product, whose density is of B alone");
   }
-  if (!options.file.empty()) {
-    RequireDefaults(
-        "hybrid", HybridParameters(), values,
-        {"from", "position", "longest", "lloyd", "cluster", "clusters", "separation", "pick",
-         "rest", "rest-samples", "rest-from", "rest-mode", "rest-cells", "inside"});
-  }
+  if (!options.file.empty()) RequireDefaults("hybrid", HybridParameters(), values);
   const bool for_lights = options.strata.kind == StrataRequest::Kind::kLights;
   if (options.lights.bias && (options.inside || for_lights)) {
     throw OptionError("strategy", "hybrid",

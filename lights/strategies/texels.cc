@@ -171,15 +171,16 @@ void RequireCells(const SphereMap& light, const LightSet& set, const std::string
 
 std::span<const StrategyParameter> PresampledParameters() {
   static const std::vector<StrategyParameter> parameters = [] {
-    std::vector<StrategyParameter> all = {
-        {"mode", "jittered", "fixed: the cell's light; jittered: a texel of it by importance"},
-        kFromParameter,
-        kFileParameter};
+    std::vector<StrategyParameter> all = {kFromParameter};
     all.insert(all.end(), LightParameters().begin(), LightParameters().end());
     for (StrategyParameter& parameter : all) {
       if (parameter.key == "lights")
         parameter = {"lights", "360", "number of cells, or auto:BIAS with mode=fixed"};
+      parameter.chooses_lights = true;
     }
+    all.insert(all.begin(), {{"mode", "jittered",
+                              "fixed: the cell's light; jittered: a texel of it by importance"},
+                             kFileParameter});
     return all;
   }();
   return parameters;
@@ -191,7 +192,7 @@ std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
   LightOptions options = ReadLightOptions(values);
   options.source = ReadLightSource(values);
   const std::string& file = TextValue(values, kFileParameter.key);
-  if (!file.empty()) RequireDefaults("presampled", PresampledParameters(), values, {"mode"});
+  if (!file.empty()) RequireDefaults("presampled", PresampledParameters(), values);
   const auto lights_of = [&](const SphereMap& light) {
     if (file.empty()) return BuildLights(light, options);
     LightSet set = ReadLightFile(file, light);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -177,6 +178,21 @@ TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
                                  "spheres table_bytes importance ", "bytes_per_path "}) {
     EXPECT_TRUE(Contains(one.out, part)) << part;
   }
+}
+
+// A run sees the file of its own vendor only, so a new strategy could be missing in the other.
+TEST(BenchCounters, FilesOfBothVendorsHaveTheTablesOfTheSameStrategies) {
+  const auto tables = [](const std::string& vendor) {
+    std::istringstream lines(
+        ReadFile(SourcePath("tests/baselines/bench_counters_" + vendor + ".txt")));
+    std::vector<std::string> found;
+    for (std::string line; std::getline(lines, line);) {
+      if (Contains(line, " table_bytes ")) found.push_back(line);
+    }
+    return found;
+  };
+  EXPECT_FALSE(tables("intel").empty());
+  EXPECT_EQ(tables("intel"), tables("amd"));
 }
 
 // Bencher takes standard output, so nothing else may be there.

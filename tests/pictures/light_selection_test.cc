@@ -1,5 +1,6 @@
 // Tests which lights surfaces take samples of: all selections give the same picture, and where each
 // local light takes a sample, nothing is left to chance.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -118,6 +119,32 @@ TEST(LightSelection, AllGoesWithStrategiesOfFixedSamples) {
     return MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, 300), 3);
   };
   EXPECT_TRUE(SamePicture(estimate("hybrid:lights=8,inside=1"), estimate("importance"), kLevel));
+}
+
+// Light paths leave lights by power, and their weights know no other way to pick one.
+TEST(LightSelection, IntegratorsWithLightPathsTakeLightsByPowerAlone) {
+  const Scene scene = Lamps(7);
+  for (const Integrator integrator : ValuesOf<Integrator>()) {
+    for (const LightSelection selection : ValuesOf<LightSelection>()) {
+      SCOPED_TRACE(fmt::format("{} {}", ToString(integrator), ToString(selection)));
+      const bool taken =
+          selection == LightSelection::kPower || !Describe(integrator).has_light_paths();
+      // As the integrator of the request, and as one that converge compares with it.
+      const auto refuses = [&](const auto& make) {
+        try {
+          make();
+        } catch (const OptionError& error) {
+          EXPECT_NE(std::string(error.what()).find("light-selection"), std::string::npos)
+              << error.what();
+          return true;
+        }
+        return false;
+      };
+      EXPECT_EQ(refuses([&] { RenderJob(scene, Request(integrator, selection)); }), !taken);
+      const RenderJob job(scene, Request(Integrator::kPath, selection));
+      EXPECT_EQ(refuses([&] { job.MakeMethod("importance", integrator); }), !taken);
+    }
+  }
 }
 
 TEST(LightSelection, TooManyLightsForASampleOfEachAreNamed) {

@@ -57,6 +57,15 @@ Scene ManyLights() {
   return scene;
 }
 
+void PutSurface(Vec org, Vec normal, std::uint32_t material, std::uint32_t i,
+                const SurfaceColumns& surfaces) {
+  Put(org, i, surfaces.org_x, surfaces.org_y, surfaces.org_z);
+  Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
+  Put(normal, i, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z);
+  surfaces.lift[i] = 0;
+  surfaces.material[i] = material;
+}
+
 class LightTrees : public testing::Test {
  protected:
   LightTrees()
@@ -72,11 +81,8 @@ class LightTrees : public testing::Test {
     for (std::uint32_t i = 0; i < kPoints; ++i) {
       const Vec org = {random.Between(-5, 5), random.Between(-5, 5), random.Between(-5, 5)};
       const Vec normal = Unit({random.Between(-1, 1), random.Between(-1, 1), 0.1});
-      Put(org, i, surfaces_->org_x, surfaces_->org_y, surfaces_->org_z);
-      Put(normal, i, surfaces_->ng_x, surfaces_->ng_y, surfaces_->ng_z);
-      Put(normal, i, surfaces_->ns_x, surfaces_->ns_y, surfaces_->ns_z);
-      surfaces_->lift[i] = 0;
-      surfaces_->material[i] = i % 2 | (i % 3 == 0 ? kBackFace : 0);  // wall, sheet
+      const std::uint32_t wall_or_sheet = i % 2 | (i % 3 == 0 ? kBackFace : 0);
+      PutSurface(org, normal, wall_or_sheet, i, surfaces_);
     }
   }
 
@@ -247,11 +253,7 @@ TEST(LightTree, SurfacesDrawTheLampsThatAreNear) {
   soa::Table<SurfaceColumns> surfaces(kPoints);
   Random random(7);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
-    Put({random.Between(5, 35), 0, random.Between(5, 35)}, i, surfaces->org_x, surfaces->org_y,
-        surfaces->org_z);
-    Put({0, 1, 0}, i, surfaces->ng_x, surfaces->ng_y, surfaces->ng_z);
-    Put({0, 1, 0}, i, surfaces->ns_x, surfaces->ns_y, surfaces->ns_z);
-    surfaces->lift[i] = 0, surfaces->material[i] = 0;
+    PutSurface({random.Between(5, 35), 0, random.Between(5, 35)}, {0, 1, 0}, 0, i, surfaces);
   }
   double noise[2] = {};
   for (const bool by_tree : {false, true}) {
