@@ -19,10 +19,10 @@
 
 namespace skywave {
 
-enum class MapMeasure { kRelative, kFlip };
+enum class MapMeasure { kRelative, kLog, kFlip };
 template <>
 inline constexpr auto kEnumNames<MapMeasure> = std::to_array<Named<MapMeasure>>(
-    {{MapMeasure::kRelative, "relative"}, {MapMeasure::kFlip, "flip"}});
+    {{MapMeasure::kRelative, "relative"}, {MapMeasure::kLog, "log"}, {MapMeasure::kFlip, "flip"}});
 
 namespace {
 
@@ -156,8 +156,9 @@ int CompareMain(const CompareFlags& flags) {
   }
   if (!flags.map.empty()) {
     WritePng(flags.map, image.width, image.height,
-             flags.measure == MapMeasure::kFlip ? FalseColors(flip.map, flags.full_scale)
-                                                : ErrorMap(image, reference, flags.full_scale));
+             flags.measure == MapMeasure::kFlip  ? FalseColors(flip.map, flags.full_scale)
+             : flags.measure == MapMeasure::kLog ? LogErrorMap(image, reference, flags.full_scale)
+                                                 : ErrorMap(image, reference, flags.full_scale));
     Print(stdout, "wrote {}\n", flags.map);
   }
   if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
@@ -172,7 +173,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
     option({.name = "image", .help = "EXR, HDR, PFM, PNG, JPEG, TGA, BMP, GIF, QOI or WebP", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
     option({.name = "reference", .help = "picture of the same size, or another part of it", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
     option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
-    option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),
+    option({.name = "measure", .help = "the error that the map shows: relative to the reference, the logarithm of its square, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),
     option({.name = "full-scale", .help = "error shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
     option({.name = "pixels-per-degree", .help = "pixels of the screen in one degree of the view, for FLIP"}, FIELD(pixels_per_degree), Doubles(1, 1000)),
     option({.name = "json", .help = "write the measures as JSON"}, FIELD(json), Texts("JSON")),

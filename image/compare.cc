@@ -116,4 +116,22 @@ std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference, d
   return map;
 }
 
+std::vector<std::uint8_t> LogErrorMap(const Image& image, const Image& reference,
+                                      double full_scale) {
+  constexpr double kDecades = 6;
+  RequireSameSize(image, reference);
+  std::vector<std::uint8_t> map(image.rgb.size());
+  for (std::size_t i = 0; i < map.size(); i += 3) {
+    double square = 0;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      const double difference = Difference(image.rgb[c], reference.rgb[c]);
+      square += difference * difference / 3;
+    }
+    const double decades =
+        square == 0 ? -kDecades : std::log10(square) - 2 * std::log10(full_scale);
+    WriteRampColor(std::max(1 + decades / kDecades, 0.0), &map[i]);
+  }
+  return map;
+}
+
 }  // namespace skywave

@@ -50,4 +50,10 @@ std::vector<std::uint8_t> FalseColors(std::span<const float> values, double full
 std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference,
                                    double full_scale = 1.0);
 
+// Returns a false-colour map of the squared error per pixel, likewise: the mean d^2 of the
+// channels, by its logarithm from a millionth of `full_scale`^2 and below (dark) to that and above
+// (bright).
+std::vector<std::uint8_t> LogErrorMap(const Image& image, const Image& reference,
+                                      double full_scale = 1.0);
+
 }  // namespace skywave

@@ -95,6 +95,15 @@ Rgb NeutralCurve(const Rgb& linear) {
   return v;
 }
 
+// The response of photoreceptors, v^n / (v^n + g^n) (Naka and Rushton 1966), with g = 0.18, the
+// grey that an exposure is made for, and an n of 2, twice what is measured of eyes. Grey stays
+// grey.
+double ContrastCurve(double v) {
+  constexpr double kGrey = 0.18, kHalf = kGrey * kGrey * (1 / kGrey - 1);
+  const double inverse = 1 / std::max(v, 1e-30);
+  return 1 / (1 + kHalf * inverse * inverse);
+}
+
 Rgb OnCurve(ToneCurve curve, Rgb v) {
   switch (curve) {
     case ToneCurve::kClip:
@@ -109,6 +118,8 @@ Rgb OnCurve(ToneCurve curve, Rgb v) {
       return AgxCurve(v);
     case ToneCurve::kNeutral:
       return NeutralCurve(v);
+    case ToneCurve::kContrast:
+      return {ContrastCurve(v[0]), ContrastCurve(v[1]), ContrastCurve(v[2])};
   }
   return v;
 }

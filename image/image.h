@@ -164,7 +164,8 @@ enum class ToneCurve {
   kAces,      // a fit to ACES with its matrices, which fades bright colours to white (Hill 2016)
   kReinhard,  // of luminance; 4 becomes white (Reinhard et al. 2002, Equation 4)
   kAgx,       // of stops, in the primaries of Rec. 2020, as Blender has it (Wrensch 2023)
-  kNeutral    // keeps colours up to white paper (Khronos PBR Neutral 2024)
+  kNeutral,   // keeps colours up to white paper (Khronos PBR Neutral 2024)
+  kContrast   // steep about middle grey, so that noise is seen (after Naka and Rushton 1966)
 };
 template <>
 inline constexpr auto kEnumNames<ToneCurve> =
@@ -173,7 +174,8 @@ inline constexpr auto kEnumNames<ToneCurve> =
                                      {ToneCurve::kAces, "aces"},
                                      {ToneCurve::kReinhard, "reinhard"},
                                      {ToneCurve::kAgx, "agx"},
-                                     {ToneCurve::kNeutral, "neutral"}});
+                                     {ToneCurve::kNeutral, "neutral"},
+                                     {ToneCurve::kContrast, "contrast"}});
 struct ToneMapping {
   float exposure_stops = 0;  // radiance is multiplied by 2^exposure_stops
   ToneCurve curve = ToneCurve::kClip;

@@ -25,16 +25,38 @@ constexpr const char* kMarkers[] = {"M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0z",
                                     "M0,6l5.5,-10h-11z",
                                     "M-5,-2h3v-3h4v3h3v4h-3v3h-4v-3h-3z"};
 
-bool OnLogAxis(double value) { return std::isfinite(value) && value > 0; }
-bool IsDrawn(const PlotPoint& point) { return OnLogAxis(point.x) && OnLogAxis(point.y); }
+bool OnAxis(PlotScale scale, double value) {
+  return std::isfinite(value) && (scale == PlotScale::kLinear || value > 0);
+}
+bool IsDrawn(const Plot& plot, const PlotPoint& point) {
+  return OnAxis(plot.x_scale, point.x) && OnAxis(plot.y_scale, point.y);
+}
 
-// A tick at 1, 2 or 5 times a power of ten.
+// A tick at 1, 2 or 5 times a power of ten; on a linear axis a multiple of such a number, whose
+// mantissa is 1.
 struct Tick {
   double value;
   int mantissa, exponent;
 };
 
-std::vector<Tick> Ticks(double low, double high) {
+// Returns ticks that are 1, 2 or 5 times a power of ten apart, at most ten of them.
+std::vector<Tick> EvenTicks(double low, double high) {
+  const double power = std::pow(10.0, std::floor(std::log10(high - low)) - 1);
+  double step = power;
+  for (const double multiple : {1, 2, 5, 10, 20, 50}) {
+    step = multiple * power;
+    if ((high - low) / step <= 9) break;
+  }
+  std::vector<Tick> ticks;
+  // The 0 that is added makes 0 of -0.
+  for (double i = std::ceil(low / step - 1e-9) + 0.0; i * step <= high + 1e-9 * step; ++i) {
+    ticks.push_back({i * step, 1, 0});
+  }
+  return ticks;
+}
+
+std::vector<Tick> Ticks(PlotScale scale, double low, double high) {
+  if (scale == PlotScale::kLinear) return EvenTicks(low, high);
   std::vector<Tick> ticks;
   for (int e = int(std::floor(std::log10(low))) - 1; e <= int(std::ceil(std::log10(high))); ++e) {
     for (const int mantissa : {1, 2, 5}) {
@@ -51,17 +73,29 @@ std::vector<Tick> Ticks(double low, double high) {
 struct Axis {
   double low = 0, high = 0;  // values
   double from = 0, to = 0;   // pixels
+  PlotScale scale = PlotScale::kLog;
 
   double At(double value) const {
-    return from + (to - from) * std::log(value / low) / std::log(high / low);
+    const double share = scale == PlotScale::kLinear ? (value - low) / (high - low)
+                                                     : std::log(value / low) / std::log(high / low);
+    return from + (to - from) * share;
   }
+  std::vector<Tick> ticks() const { return Ticks(scale, low, high); }
 };
 
-Axis FitAxis(std::vector<double> values, double from, double to) {
+Axis FitAxis(PlotScale scale, std::vector<double> values, double from, double to) {
   if (values.empty()) values.push_back(1);
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  const std::vector<Tick> ticks = Ticks(*least / 11, *most * 11);
-  Axis axis = {.low = *least, .high = *most, .from = from, .to = to};
+  Axis axis = {.low = *least, .high = *most, .from = from, .to = to, .scale = scale};
+  if (scale == PlotScale::kLinear) {
+    if (axis.low == axis.high) axis.high += std::max(std::abs(axis.low), 1.0);
+    const std::vector<Tick> inside = axis.ticks();
+    const double step = inside[1].value - inside[0].value;
+    axis.low = std::floor(axis.low / step + 1e-9) * step;
+    axis.high = std::ceil(axis.high / step - 1e-9) * step;
+    return axis;
+  }
+  const std::vector<Tick> ticks = Ticks(scale, *least / 11, *most * 11);
   for (const Tick& tick : ticks) {
     if (tick.value <= *least * (1 + 1e-9)) axis.low = tick.value;
   }
@@ -84,8 +118,8 @@ class Writer {
   std::string text_;
 };
 
-std::string TickLabel(const Tick& tick) {
-  if (tick.exponent >= -2 && tick.exponent <= 3) {
+std::string TickLabel(PlotScale scale, const Tick& tick) {
+  if (scale == PlotScale::kLinear || (tick.exponent >= -2 && tick.exponent <= 3)) {
     return fmt::format("{:g}", tick.value);
   }
   const std::string front = tick.mantissa == 1 ? "" : fmt::format("{}&#183;", tick.mantissa);
@@ -94,25 +128,25 @@ std::string TickLabel(const Tick& tick) {
 
 // Every power of ten has a label; ticks between them have one if there is room.
 bool IsLabelled(const Tick& tick, const Axis& axis) {
-  return tick.mantissa == 1 || axis.high / axis.low < 300;
+  return axis.scale == PlotScale::kLinear || tick.mantissa == 1 || axis.high / axis.low < 300;
 }
 
-void WriteAxes(const LogPlot& plot, const Axis& x, const Axis& y, Writer& write) {
-  for (const Tick& tick : Ticks(x.low, x.high)) {
+void WriteAxes(const Plot& plot, const Axis& x, const Axis& y, Writer& write) {
+  for (const Tick& tick : x.ticks()) {
     const double at = x.At(tick.value);
     write(R"(<path d="M{0:.1f},{1:.1f}V{2:.1f}" stroke="{3}"/>)", at, y.from, y.to,
           tick.mantissa == 1 ? "#c8c8c8" : "#ececec");
     if (!IsLabelled(tick, x)) continue;
     write(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{}</text>)", at, y.from + 20,
-          TickLabel(tick));
+          TickLabel(x.scale, tick));
   }
-  for (const Tick& tick : Ticks(y.low, y.high)) {
+  for (const Tick& tick : y.ticks()) {
     const double at = y.At(tick.value);
     write(R"(<path d="M{0:.1f},{1:.1f}H{2:.1f}" stroke="{3}"/>)", x.from, at, x.to,
           tick.mantissa == 1 ? "#c8c8c8" : "#ececec");
     if (!IsLabelled(tick, y)) continue;
     write(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{}</text>)", x.from - 8, at + 5,
-          TickLabel(tick));
+          TickLabel(y.scale, tick));
   }
   write(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="none" )"
         R"(stroke="#404040"/>)",
@@ -126,13 +160,20 @@ void WriteAxes(const LogPlot& plot, const Axis& x, const Axis& y, Writer& write)
       (y.from + y.to) / 2, EscapeXml(plot.y_label));
 }
 
-void WriteLevels(const LogPlot& plot, const Axis& x, const Axis& y, Writer& write) {
+void WriteLevels(const Plot& plot, const Axis& x, const Axis& y, Writer& write) {
   for (const PlotLevel& level : plot.levels) {
     if (!(level.y >= y.low && level.y <= y.high)) continue;
     write(R"(<path d="M{:.1f},{:.1f}H{:.1f}" stroke="#707070" stroke-dasharray="6 4"/>)", x.from,
           y.At(level.y), x.to);
     write(R"(<text x="{:.1f}" y="{:.1f}" font-size="12" fill="#505050">{}</text>)", x.from + 6,
           y.At(level.y) - 5, EscapeXml(level.name));
+  }
+  for (const PlotMark& mark : plot.marks) {
+    if (!(mark.x >= x.low && mark.x <= x.high)) continue;
+    write(R"(<path d="M{:.1f},{:.1f}V{:.1f}" stroke="#707070" stroke-dasharray="6 4"/>)",
+          x.At(mark.x), y.from, y.to);
+    write(R"(<text x="{:.1f}" y="{:.1f}" font-size="12" fill="#505050">{}</text>)",
+          x.At(mark.x) + 5, y.to + 16, EscapeXml(mark.name));
   }
 }
 
@@ -145,21 +186,21 @@ void WriteMarker(std::size_t index, std::size_t count, double x, double y, Write
         x, y, scale, kMarkers[index % std::size(kMarkers)], kColors[index % std::size(kColors)]);
 }
 
-void WriteSeries(const LogPlot& plot, std::size_t index, const Axis& x, const Axis& y,
-                 Writer& write) {
+void WriteSeries(const Plot& plot, std::size_t index, const Axis& x, const Axis& y, Writer& write) {
   const PlotSeries& series = plot.series[index];
   const char* const color = kColors[index % std::size(kColors)];
   std::string line;
   for (const PlotPoint& point : series.points) {
-    if (!IsDrawn(point)) continue;
+    if (!IsDrawn(plot, point)) continue;
     line += fmt::format("{}{:.1f},{:.1f}", line.empty() ? "M" : "L", x.At(point.x), y.At(point.y));
   }
   if (line.empty()) return;
   write(R"(<path d="{}" fill="none" stroke="{}" stroke-width="2"/>)", line, color);
   for (const PlotPoint& point : series.points) {
-    if (!IsDrawn(point)) continue;
+    if (!IsDrawn(plot, point)) continue;
+    if (!plot.markers) break;
     const double at = x.At(point.x);
-    if (OnLogAxis(point.low) && OnLogAxis(point.high)) {
+    if (OnAxis(plot.y_scale, point.low) && OnAxis(plot.y_scale, point.high)) {
       const double low = y.At(std::max(point.low, y.low));
       const double high = y.At(std::min(point.high, y.high));
       write(R"(<path d="M{0:.1f},{1:.1f}V{2:.1f}M{3:.1f},{1:.1f}h10M{3:.1f},{2:.1f}h10" )"
@@ -170,15 +211,16 @@ void WriteSeries(const LogPlot& plot, std::size_t index, const Axis& x, const Ax
   }
 }
 
-double PlotHeight(const LogPlot& plot) {
+double PlotHeight(const Plot& plot) {
   return kTop + kAxes + kBottom + kLegendRow * double(plot.series.size()) + kGap;
 }
 
-std::vector<double> Values(const LogPlot& plot, double PlotPoint::*member) {
+std::vector<double> Values(const Plot& plot, double PlotPoint::*member) {
+  const PlotScale scale = member == &PlotPoint::x ? plot.x_scale : plot.y_scale;
   std::vector<double> values;
   for (const PlotSeries& series : plot.series) {
     for (const PlotPoint& point : series.points) {
-      if (IsDrawn(point) && OnLogAxis(point.*member)) values.push_back(point.*member);
+      if (IsDrawn(plot, point) && OnAxis(scale, point.*member)) values.push_back(point.*member);
     }
   }
   return values;
@@ -186,9 +228,9 @@ std::vector<double> Values(const LogPlot& plot, double PlotPoint::*member) {
 
 // Whiskers of two repetitions can be extremely long, so they are clamped to keep the curves
 // readable.
-std::vector<double> HeightsWithWhiskers(const LogPlot& plot) {
+std::vector<double> HeightsWithWhiskers(const Plot& plot) {
   std::vector<double> values = Values(plot, &PlotPoint::y);
-  if (values.empty()) return values;
+  if (values.empty() || plot.y_scale == PlotScale::kLinear) return values;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double low = *least / 3, high = *most * 3;
   for (const auto member : {&PlotPoint::low, &PlotPoint::high}) {
@@ -197,9 +239,9 @@ std::vector<double> HeightsWithWhiskers(const LogPlot& plot) {
   return values;
 }
 
-void WritePlot(const LogPlot& plot, double top, Writer& write) {
-  const Axis x = FitAxis(Values(plot, &PlotPoint::x), kLeft, kWidth - kRight);
-  const Axis y = FitAxis(HeightsWithWhiskers(plot), top + kTop + kAxes, top + kTop);
+void WritePlot(const Plot& plot, double top, Writer& write) {
+  const Axis x = FitAxis(plot.x_scale, Values(plot, &PlotPoint::x), kLeft, kWidth - kRight);
+  const Axis y = FitAxis(plot.y_scale, HeightsWithWhiskers(plot), top + kTop + kAxes, top + kTop);
   WriteAxes(plot, x, y, write);
   WriteLevels(plot, x, y, write);
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
@@ -207,7 +249,7 @@ void WritePlot(const LogPlot& plot, double top, Writer& write) {
     const double row = y.from + kBottom + kLegendRow * (double(i) + 0.5);
     write(R"(<path d="M{:.1f},{:.1f}h32" stroke="{}" stroke-width="2"/>)", kLeft, row,
           kColors[i % std::size(kColors)]);
-    WriteMarker(i, plot.series.size(), kLeft + 16, row, write);
+    if (plot.markers) WriteMarker(i, plot.series.size(), kLeft + 16, row, write);
     write(R"(<text x="{:.1f}" y="{:.1f}">{}</text>)", kLeft + 42, row + 5,
           EscapeXml(plot.series[i].name));
   }
@@ -215,16 +257,16 @@ void WritePlot(const LogPlot& plot, double top, Writer& write) {
 
 }  // namespace
 
-std::string Svg(std::span<const LogPlot> plots) {
+std::string Svg(std::span<const Plot> plots) {
   double height = 0;
-  for (const LogPlot& plot : plots) height += PlotHeight(plot);
+  for (const Plot& plot : plots) height += PlotHeight(plot);
   Writer write;
   write(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" )"
         R"(font-family="sans-serif" font-size="14">)",
         kWidth, height);
   write(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", kWidth, height);
   double top = 0;
-  for (const LogPlot& plot : plots) {
+  for (const Plot& plot : plots) {
     WritePlot(plot, top, write);
     top += PlotHeight(plot);
   }

@@ -132,9 +132,10 @@ class Session:
             os.replace(part, picture)
         return picture
 
-    def errors(self, picture, reference):
+    def errors(self, picture, reference, error_map=None):
         file = self.pictures / "errors.json"
-        run([self.program, "compare", picture, reference, "--json", file])
+        shown = ["--map", error_map, "--measure", "log"] if error_map else []
+        run([self.program, "compare", picture, reference, "--json", file, *shown])
         return json.loads(file.read_text())
 
     def render_command(self, recipe, seed, picture, stats, integrator):
@@ -148,12 +149,13 @@ class Session:
             command += ["--continuation-strategy", recipe.behind]
         if not recipe.mis:
             command.append("--no-mis")
-        return command + ["--seed", seed, "--stats", stats, "-o", picture, "-q"]
+        return command + ["--seed", seed, "--stats", stats, "--tone", "contrast", "-o", picture, "-q"]
 
     def measure(self, row, seed, reference, scene_hash, light_references):
         picture, stats = self.pictures / f"{row.name}.exr", self.pictures / "stats.json"
         run(self.render_command(row.recipe, seed, picture, stats, self.table.integrator))
-        stats, errors = json.loads(stats.read_text()), self.errors(picture, reference)
+        stats = json.loads(stats.read_text())
+        errors = self.errors(picture, reference, picture.with_suffix(".error.png"))
         if stats["scene"]["hash"] != scene_hash:
             raise Failed("the scene has changed since the reference was made: remove "
                          f"{reference.parent}")

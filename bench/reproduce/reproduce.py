@@ -10,8 +10,9 @@
 
 DATA holds models/{killeroo.pbrt,buddha.obj,sponza.obj} and
 probes/latlong/{galileo,grace,rnl}_latlong.exr.
-OUT receives table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose
-data are missing are named and skipped. Exit code 1: nothing was measured, or a row failed.
+OUT receives table_8.2.md, table_8.2.json, table_8.2.svg (errors over times), index.html (all of it,
+without network), the reference and a picture of every row. Tables whose data are missing are named
+and skipped. Exit code 1: nothing was measured, or a row failed.
 """
 
 import argparse
@@ -23,6 +24,7 @@ from pathlib import Path
 
 import figures
 import measure
+import page
 import report  # finds bench/reporting.py
 from photon_tables import PHOTON_TABLES
 from reporting import processor
@@ -110,6 +112,15 @@ def write(summary, options):
     stem = options.output / f"table_{summary['table']}"
     Path(f"{stem}.json").write_text(json.dumps(summary, indent=1) + "\n")
     Path(f"{stem}.md").write_text(report.markdown(summary))
+    Path(f"{stem}.svg").write_text(page.chart(summary, "ours", f"Table {summary['table']}"))
+
+
+def write_page(summaries, options):
+    """Writes index.html of the tables that this run has measured."""
+    sections = [page.section(summary, report.markdown(summary),
+                             options.output / "pictures" / f"table_{summary['table']}")
+                for summary in summaries]
+    (options.output / "index.html").write_text(page.page(sections))
 
 
 def warnings_of(summary):
@@ -186,7 +197,7 @@ def measure_table(table, options):
 
 def main(arguments):
     options = parse(arguments)
-    measured, whole = False, True
+    measured, whole, summaries = False, True, []
     for name in options.tables:
         table = TABLES[name]
         if options.unmeasured:
@@ -208,11 +219,14 @@ def main(arguments):
                 whole = False
                 continue
             measured, whole = measured or any_row, whole and all_rows
+            summaries.append(summary)
         text = report.markdown(summary)
         print(f"Table {name}. {table.title}\n\n{text}", flush=True)
         if options.document:
             document = options.document.read_text()
             options.document.write_text(report.insert(document, name, text))
+    if summaries:
+        write_page(summaries, options)
     if not measured:
         say("nothing was measured")
     return 0 if measured and whole else 1

@@ -16,12 +16,43 @@ from pathlib import Path
 
 import figures
 import measure
+import page
 import report
 import reproduce
 from reproduce import TABLES
 from tables import PLAIN, angle_for_area
 
 PROGRAM = None
+
+
+class Page(unittest.TestCase):
+    def test_a_fit_finds_the_power(self):
+        points = [(t, 3 * t ** -1.5) for t in (1, 2, 5, 9)]
+        c, k = page.power_fit(points)
+        self.assertAlmostEqual(c, 3)
+        self.assertAlmostEqual(k, -1.5)
+        self.assertIsNone(page.power_fit([(2, 1), (2, 3)]))
+
+    def test_a_chart_has_a_dot_for_each_row(self):
+        summary = figures.summarize(TABLES["8.2"], {})
+        svg = page.chart(summary, "thesis", "a < b")
+        with_errors = [row for row in summary["rows"]
+                       if row["thesis"] and "squared_distance" in row["thesis"]]
+        self.assertEqual(svg.count('r="3.5"'), len(with_errors))
+        self.assertIn("a &lt; b", svg)
+        self.assertRegex(svg, r"I\.S\.: [0-9.e+]+ t\^-[0-9.]+")
+        self.assertEqual(page.chart(summary, "ours", ""), "")
+
+    def test_a_page_needs_no_network(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pictures = Path(folder)
+            (pictures / "1.png").write_bytes(b"picture")
+            summary = figures.summarize(TABLES["8.2"], {})
+            text = page.page([page.section(summary, "| a |", pictures)])
+        self.assertIn("data:image/png;base64,cGljdHVyZQ==", text)
+        self.assertIn("error of row 1: not rendered", text)
+        self.assertEqual(text.count("<figure>"), 1)
+        self.assertNotRegex(text.replace("http://www.w3.org/2000/svg", ""), "https?://")
 
 
 class Tables(unittest.TestCase):

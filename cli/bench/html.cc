@@ -80,8 +80,8 @@ BarChart LaneChart(const SuiteReport& report) {
   return chart;
 }
 
-LogPlot ScalingPlot(const SuiteReport& report) {
-  LogPlot plot = {.title = "Scaling", .x_label = "threads", .y_label = "times as fast as one"};
+Plot ScalingPlot(const SuiteReport& report) {
+  Plot plot = {.title = "Scaling", .x_label = "threads", .y_label = "times as fast as one"};
   PlotSeries ideal = {.name = "ideal", .points = {}};
   for (const SuiteResult& result : report.results) {
     PlotSeries series = {.name = std::string(result.scene.name), .points = {}};
@@ -139,7 +139,7 @@ std::string Html(const SuiteReport& report, const std::vector<HistoryEntry>& his
     }
   }
   if (report.results.front().speed.scaling.size() > 1) {
-    const LogPlot plot = ScalingPlot(report);
+    const Plot plot = ScalingPlot(report);
     page += "<h2>Threads</h2>\n" + Svg(std::span(&plot, 1)) + "\n";
   }
   page += "<h2>All figures</h2>\n<pre>" + EscapeXml(SuiteText(report)) + "</pre>\n";

@@ -1,9 +1,18 @@
-// Implements skywave probe plot: pictures of a map, its lights, cells and strata.
-#include <array>
+// Implements skywave probe plot: pictures of a map, its lights, cells and strata, and curves of how
+// it is sampled.
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+
+#include "base/error.h"
 #include "base/files.h"
+#include "bench/measure/plot.h"
 #include "cli/print.h"
 #include "cli/probe/commands.h"
+#include "lights/probe/densities.h"
 #include "lights/probe/plot.h"
 
 namespace skywave {
@@ -14,6 +23,9 @@ struct PlotFlags {
   LightRequest request;
   PlotRequest plot;
   std::string output, what = "map", view = "latlong", side = "front";
+  std::optional<double> column;
+
+  bool has_curves() const { return what == "thresholds" || what == "densities"; }
 };
 
 PlotView ViewOf(const PlotFlags& flags) {
@@ -27,10 +39,97 @@ PlotView ViewOf(const PlotFlags& flags) {
   return PlotView::kFront;
 }
 
+int WritePlot(PlotFlags& flags, const SphereMap& map) {
+  flags.plot.view = ViewOf(flags);
+  int width, height;
+  const std::vector<std::uint8_t> rgb = PlotMap(map, flags.plot, width, height);
+  WritePng(flags.output, width, height, rgb);
+  Print(stdout, "wrote {}\n", flags.output);
+  return 0;
+}
+
+Plot Curve(const char* title, const char* x, const char* y, std::vector<PlotPoint> points) {
+  return {.title = title,
+          .x_label = x,
+          .y_label = y,
+          .series = {{y, std::move(points)}},
+          .markers = false};
+}
+
+// f, g and zeta over the share of the sphere that the bright part has, and where it ends (T figures
+// 7.9 to 7.17).
+std::vector<Plot> CurvesOfThresholds(const SphereMap& map, const Strata& strata) {
+  constexpr std::size_t kPoints = 600;
+  constexpr char kShare[] = "x: share of the sphere, brightest texels first";
+  const double whole = 4 * std::numbers::pi;
+  std::vector<PlotPoint> f, g, zeta;
+  for (const StratumPrefix& prefix : PrefixesOf(map, kPoints)) {
+    const double x = prefix.area / whole;
+    f.push_back({x, prefix.luminance});
+    g.push_back({x, map.energy > 0 ? prefix.energy / map.energy : 0});
+    zeta.push_back({x, prefix.zeta});
+  }
+  std::vector<Plot> plots = {Curve("Luminance of the dimmest texel", kShare, "f(x)", std::move(f)),
+                             Curve("Share of the energy", kShare, "g(x)", std::move(g)),
+                             Curve("What two trapezia leave", kShare, "zeta(x)", std::move(zeta))};
+  plots[1].y_scale = PlotScale::kLinear;
+  for (Plot& plot : plots) {
+    plot.marks = {{fmt::format("A ends, p = {:.4g}", strata.p), strata.solid_angle_a / whole}};
+  }
+  return plots;
+}
+
+// p(u) and p(v | u) with their integrals (T figures 6.3 to 6.7). `at` is u; unset: that of the
+// texel with most energy.
+std::vector<Plot> CurvesOfDensities(const SphereMap& map, std::optional<double> at) {
+  const int column = at ? std::min(int(*at * map.width), map.width - 1) : BrightestColumn(map);
+  std::vector<Plot> plots;
+  const auto add = [&](const TexelDensity1D& of, const std::string& name, const char* variable) {
+    std::vector<PlotPoint> density, cumulative = {{0, 0}};
+    const auto count = double(of.density.size());
+    for (std::size_t i = 0; i < of.density.size(); ++i) {
+      const double begin = double(i) / count, end = double(i + 1) / count;
+      density.push_back({begin, of.density[i]}), density.push_back({end, of.density[i]});
+      cumulative.push_back({end, of.cumulative[i]});
+    }
+    plots.push_back(Curve("Density", variable, name.c_str(), std::move(density)));
+    plots.push_back(Curve("Cumulative distribution", variable, ("P" + name.substr(1)).c_str(),
+                          std::move(cumulative)));
+  };
+  add(ColumnDensity(map), "p(u)", "u");
+  add(RowDensity(map, column), fmt::format("p(v | u = {:.4g})", (column + 0.5) / map.width), "v");
+  for (Plot& plot : plots) plot.x_scale = plot.y_scale = PlotScale::kLinear;
+  return plots;
+}
+
 int PlotMain(PlotFlags& flags) {
   CheckOutputs(std::array{flags.output}, std::array{flags.map.path});
+  const bool svg = flags.output.ends_with(".svg");
+  if (svg != flags.has_curves()) {
+    throw OptionError("output", flags.output,
+                      fmt::format("`what {}` makes {}: name a file that ends in {}", flags.what,
+                                  svg ? "a picture" : "curves", svg ? ".png" : ".svg"));
+  }
+  if (flags.column && flags.what != "densities") {
+    throw OptionError("column", fmt::format("{}", *flags.column),
+                      fmt::format("is that of `what densities`, not of `what {}`", flags.what));
+  }
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
+  if (flags.has_curves()) {
+    const std::vector<Plot> plots =
+        flags.what == "thresholds"
+            ? CurvesOfThresholds(map,
+                                 DivideMap(map, flags.request.strata.value_or(StrataRequest{})))
+            : CurvesOfDensities(map, flags.column);
+    WriteFileAtomically(flags.output, Svg(plots));
+    Print(stdout, "wrote {}\n", flags.output);
+    return 0;
+  }
+  if (flags.what == "density") {
+    const Image density = JointDensity(map);
+    return WritePlot(flags, MakeSphereMap(density));
+  }
   ProbeLights lights;
   if (flags.what == "lights" || flags.what == "cells") {
     lights = MakeProbeLights(map, flags.request);
@@ -40,12 +139,7 @@ int PlotMain(PlotFlags& flags) {
     lights.strata = DivideMap(map, flags.request.strata.value_or(StrataRequest{}));
   }
   if (lights.strata) flags.plot.strata = &*lights.strata;
-  flags.plot.view = ViewOf(flags);
-  int width, height;
-  const std::vector<std::uint8_t> rgb = PlotMap(map, flags.plot, width, height);
-  WritePng(flags.output, width, height, rgb);
-  Print(stdout, "wrote {}\n", flags.output);
-  return 0;
+  return WritePlot(flags, map);
 }
 
 #define FIELD SKYWAVE_FIELD
@@ -61,8 +155,9 @@ std::vector<OptionOf<PlotFlags>> PlotOptions() {
                   .print = [](const bool& log) { return std::string(log ? "log" : "tone"); }};
   // clang-format off
   return {
-    option({.name = "output", .help = "PNG file", .letter = 'o', .required = true}, FIELD(output), Texts("PNG")),
-    option({.name = "what", .help = "the map, its lights, their cells as well, or its strata"}, FIELD(what), OneOf("map|lights|cells|strata")),
+    option({.name = "output", .help = "PNG file; curves: SVG", .letter = 'o', .required = true}, FIELD(output), Texts("PNG|SVG")),
+    option({.name = "what", .help = "the map, its lights, their cells as well, its strata, or its density p(u, v); curves: of the densities p(u) and p(v | u), or of thresholds, f, g and zeta of the strata (T 7.9 to 7.17)"}, FIELD(what), OneOf("map|lights|cells|strata|density|densities|thresholds")),
+    option({.name = "column", .help = "u of the column of `what densities`", .default_text = "the brightest"}, FIELD(column), Numbers(0.0, 1.0)),
     option({.name = "view", .help = "the whole map, or the sphere from outside"}, FIELD(view), OneOf("latlong|sphere")),
     option({.name = "side", .help = "side from which the sphere is seen"}, FIELD(side), OneOf("front|back|left|right|up|down")),
     option({.name = "color", .help = "false colour of log luminance, or tone-mapped"}, FIELD(plot.log_color), log_color),
@@ -83,7 +178,8 @@ Command ProbePlotCommand() {
       .footer =
           "Examples:\n"
           "  skywave probe plot sky.exr --what cells --method penrose -n 360 -o cells.png\n"
-          "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png",
+          "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png\n"
+          "  skywave probe plot sky.exr --what thresholds -o curves.svg",
       .run = [flags](const GivenOptions&) { return PlotMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));

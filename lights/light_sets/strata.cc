@@ -91,19 +91,49 @@ Strata StrataByLights(const SphereMap& map, int lights, double separation) {
   return Divide(map, sorted, PrefixOf(map, sorted, lights * cap, 1e-12 * 4 * kPi, area));
 }
 
+namespace {
+
+// Calls f(texels, prefix) for each prefix of the sorted texels.
+template <class F>
+void ForEachPrefix(const SphereMap& map, const std::vector<std::uint64_t>& sorted, const F& f) {
+  const double brightest = map.luminance[sorted.front()], dimmest = map.luminance[sorted.back()];
+  StratumPrefix prefix;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const double solid_angle = map.solid_angle[sorted[i] / map.width];
+    prefix.luminance = map.luminance[sorted[i]];
+    prefix.area += solid_angle;
+    prefix.energy += prefix.luminance * solid_angle;
+    prefix.zeta = (brightest + prefix.luminance) / 2 * prefix.area +
+                  (prefix.luminance + dimmest) / 2 * (4 * kPi - prefix.area);
+    f(i + 1, prefix);
+  }
+}
+
+}  // namespace
+
+std::vector<StratumPrefix> PrefixesOf(const SphereMap& map, std::size_t most) {
+  const std::vector<std::uint64_t> sorted = SortedTexels(map);
+  const double step = std::log(double(sorted.size())) / double(std::max<std::size_t>(most, 2) - 1);
+  std::vector<StratumPrefix> prefixes;
+  ForEachPrefix(map, sorted, [&](std::size_t texels, const StratumPrefix& prefix) {
+    const double due = step * double(prefixes.size());
+    if (texels < sorted.size() && std::log(double(texels)) < due - 1e-9) return;
+    if (prefixes.size() < most) prefixes.push_back(prefix);
+    if (texels == sorted.size()) prefixes.back() = prefix;
+  });
+  return prefixes;
+}
+
 Strata StrataByVariation(const SphereMap& map, double* zeta_minimum) {
   const std::vector<std::uint64_t> sorted = SortedTexels(map);
   const double brightest = map.luminance[sorted.front()], dimmest = map.luminance[sorted.back()];
   if (zeta_minimum) *zeta_minimum = brightest * map.AreaInPixels(4 * kPi);
   if (brightest == dimmest) return Divide(map, sorted, 0);
-  double best = std::numeric_limits<double>::infinity(), x = 0;
+  double best = std::numeric_limits<double>::infinity();
   std::size_t count = 0;
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const double luminance = map.luminance[sorted[i]];
-    x += map.solid_angle[sorted[i] / map.width];
-    const double zeta = (brightest + luminance) / 2 * x + (luminance + dimmest) / 2 * (4 * kPi - x);
-    if (zeta < best) best = zeta, count = i + 1;
-  }
+  ForEachPrefix(map, sorted, [&](std::size_t texels, const StratumPrefix& prefix) {
+    if (prefix.zeta < best) best = prefix.zeta, count = texels;
+  });
   if (zeta_minimum) *zeta_minimum = map.AreaInPixels(best);
   return Divide(map, sorted, count);
 }

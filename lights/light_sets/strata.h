@@ -35,6 +35,18 @@ Strata StrataByLights(const SphereMap& map, int lights, double separation);
 // with x in pixels as in T table 7.1.
 Strata StrataByVariation(const SphereMap& map, double* zeta_minimum = nullptr);
 
+// A prefix of the sorted texels, by the functions of its area x that the last division is about (T
+// figures 7.9 to 7.17).
+struct StratumPrefix {
+  double area = 0;       // x [sr]
+  double luminance = 0;  // f(x), of its dimmest texel
+  double energy = 0;     // g(x), the integral of f up to x [luminance * sr]
+  double zeta = 0;       // zeta(x) [luminance * sr]
+};
+// Returns at most `most` prefixes from the first texel to all of them, evenly along the logarithm
+// of their number of texels.
+std::vector<StratumPrefix> PrefixesOf(const SphereMap& map, std::size_t most);
+
 // A request names one of the three divisions and its parameters.
 struct StrataRequest {
   enum class Kind { kVariation, kFraction, kLights } kind = Kind::kVariation;

@@ -155,6 +155,20 @@ std::string Povray(std::span<const DirectionalLight> lights, const ExportOptions
         d.x, d.y, d.z, light.irradiance[0] / kPi, light.irradiance[1] / kPi,
         light.irradiance[2] / kPi);
   }
+  if (!options.residual.empty()) {
+    // Spherical images begin at +x and run by way of +z, seen from inside to the left: they are
+    // turned over and round, until they lie in the axes x right, y up, z forward.
+    const Vector3 &x = axes.right, &y = axes.up, &z = axes.forward;
+    text += fmt::format(
+        "// The rest of the map; it lights surfaces if global_settings has radiosity\n"
+        "sky_sphere {{\n"
+        "  pigment {{ image_map {{ {} {} gamma 1 map_type 1 interpolate 2 }} scale <-1, 1, 1> "
+        "rotate <0, -90, 0> }}\n"
+        "  matrix <{:g}, {:g}, {:g}, {:g}, {:g}, {:g}, {:g}, {:g}, {:g}, 0, 0, 0>\n"
+        "  emission rgb Skywave_Scale\n}}\n",
+        options.residual.ends_with(".hdr") ? "hdr" : "exr", Quoted(options.residual), x.x, x.y, x.z,
+        y.x, y.y, y.z, z.x, z.y, z.z);
+  }
   return text;
 }
 

@@ -53,7 +53,7 @@ struct ExportOptions {
 
 // Returns the whole text; it ends with a newline and states the total irradiance in a comment.
 // Numbers have nine digits: directions and energies parse back to 1e-8. pbrt expects `residual` to
-// be an equal-area octahedral square, Blender a lat-long map; the others leave it out.
+// be an equal-area octahedral square, Blender and POV-Ray a lat-long map; the others leave it out.
 std::string ExportLights(std::span<const DirectionalLight> lights, const ExportOptions& options);
 
 }  // namespace skywave

@@ -319,6 +319,27 @@ TEST_F(ProbeCommand, PlotsShowLightsCellsAndStrata) {
   EXPECT_LT(dimmed, 512 * 256);
 }
 
+TEST_F(ProbeCommand, PlotsDrawTheCurvesOfSampling) {
+  ASSERT_EQ(Probe("plot sun.exr --what thresholds -o curves.svg"), 0) << out_;
+  const std::string curves = ReadFile(File("curves.svg"));
+  for (const char* part : {">f(x)<", ">g(x)<", ">zeta(x)<", ">A ends, p = "}) {
+    EXPECT_NE(curves.find(part), std::string::npos) << part;
+  }
+  ASSERT_EQ(Probe("plot sun.exr --what densities --column 0.25 -o pdf.svg"), 0) << out_;
+  const std::string densities = ReadFile(File("pdf.svg"));
+  for (const char* part : {">p(u)<", ">P(u)<", ">p(v | u = 0.25", ">P(v | u = 0.25"}) {
+    EXPECT_NE(densities.find(part), std::string::npos) << part;
+  }
+  ASSERT_EQ(Probe("plot sun.exr --what density --height 64 -o density.png"), 0) << out_;
+  ASSERT_EQ(Probe("plot sun.exr --height 64 -o map.png"), 0) << out_;
+  EXPECT_NE(ReadFile(File("density.png")), ReadFile(File("map.png")));
+  EXPECT_EQ(Probe("plot sun.exr --what thresholds -o curves.png"), kExitUsage);
+  EXPECT_NE(out_.find("makes curves: name a file that ends in .svg"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("plot sun.exr --what map -o map.svg"), kExitUsage);
+  EXPECT_EQ(Probe("plot sun.exr --what thresholds --column 0.25 -o curves.svg"), kExitUsage);
+  EXPECT_NE(out_.find("--column 0.25: is that of"), std::string::npos) << out_;
+}
+
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   ASSERT_EQ(Probe("presample sun.exr -n 30 -o set.json --cells cells.png"), 0) << out_;
   const auto json = nlohmann::json::parse(ReadFile(File("set.json")));

@@ -134,6 +134,25 @@ TEST(ErrorMap, GetsBrighterWithTheRelativeError) {
   }
 }
 
+// Errors of the full scale, a thousandth of it and none are bright, dark and dark; a tenth and a
+// hundredth are equally far apart along the ramp of a map of relative error.
+TEST(LogErrorMap, ShowsEqualRatiosAsEqualSteps) {
+  Image a(5, 1), b(5, 1), ramp(5, 1), zero(5, 1);
+  const float errors[] = {0, 2e-4f, 2e-2f, 0.2f, 2};
+  const float places[] = {0, 0, 1 / 3.0f, 2 / 3.0f, 1};
+  for (int x = 0; x < 5; ++x) {
+    for (int c = 0; c < 3; ++c) {
+      a.Pixel(x, 0)[c] = 5 + errors[x], b.Pixel(x, 0)[c] = 5;
+      ramp.Pixel(x, 0)[c] = places[x];
+    }
+  }
+  const std::vector<std::uint8_t> map = LogErrorMap(a, b, 2);
+  const std::vector<float> values(places, places + 5);
+  const std::vector<std::uint8_t> expected = FalseColors(values);
+  for (std::size_t i = 0; i < map.size(); ++i) EXPECT_NEAR(map[i], expected[i], 1) << i;
+  EXPECT_THROW(LogErrorMap(Image(3, 2), Image(2, 3)), InputError);
+}
+
 TEST(ErrorMap, ShowsNanAsTheLargestError) {
   Image a = Measured();
   a.rgb[3] = kNan;

@@ -250,5 +250,22 @@ TEST_F(Png, ImpossibleSizeIsAnError) {
   EXPECT_FALSE(std::filesystem::exists(Path("a.png")));
 }
 
+// Middle grey stays where it is, and about it a step of radiance is shown larger than by the plain
+// curve: a tenth more light is then 1.6 tenths more in the picture.
+TEST(ToneMap, ContrastIsSteepAboutMiddleGrey) {
+  Image image(4, 1);
+  const float values[] = {0, 0.18f, 0.198f, 1e6f};
+  for (int x = 0; x < 4; ++x) std::fill_n(image.Pixel(x, 0), 3, values[x]);
+  const std::vector<std::uint8_t> shown = ToneMap(image, {.curve = ToneCurve::kContrast});
+  const std::vector<std::uint8_t> plain = ToneMap(image, {});
+  const auto light = [](std::uint8_t code) {
+    return std::pow((code / 255.0 + 0.055) / 1.055, 2.4);
+  };
+  EXPECT_EQ(shown[0], 0);
+  EXPECT_EQ(shown[3], plain[3]);
+  EXPECT_NEAR(light(shown[6]) / light(plain[3]), 1.166, 0.025);
+  EXPECT_EQ(shown[9], 255);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -256,5 +256,24 @@ TEST(ExportLights, PbrtSeesTheRestWhereTheMapHasIt) {
   }
 }
 
+// The map's axes, right, up and forward, are the rows of the matrix in the world of POV-Ray, which
+// is left-handed. What comes before the matrix was found with POV-Ray 3.7 and the map of `skywave
+// probe calibrate`.
+TEST(ExportPovray, TheRestOfTheMapIsTheSky) {
+  const auto text = [](char up, const char* file) {
+    return ExportLights({}, {.format = LightFormat::kPovray, .up_axis = up, .residual = file});
+  };
+  EXPECT_NE(text('y', "rest.exr").find("image_map { exr \"rest.exr\" gamma 1 map_type 1"),
+            std::string::npos);
+  EXPECT_NE(text('y', "rest.exr").find("scale <-1, 1, 1> rotate <0, -90, 0>"), std::string::npos);
+  EXPECT_NE(text('y', "rest.hdr").find("image_map { hdr \"rest.hdr\""), std::string::npos);
+  EXPECT_NE(text('y', "r.exr").find("matrix <1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0>"),
+            std::string::npos);
+  EXPECT_NE(text('z', "r.exr").find("matrix <1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 0, 0>"),
+            std::string::npos)
+      << text('z', "r.exr");
+  EXPECT_EQ(text('y', "").find("sky_sphere"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace skywave

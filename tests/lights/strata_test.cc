@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -112,6 +113,34 @@ TEST(Strata, MaximumVariationMinimisesZeta) {
   }
   EXPECT_EQ(strata.texels_a, best_count);
   EXPECT_NEAR(zeta, best, 1e-9 * best);
+}
+
+// g grows to the energy of the map, f falls from the brightest texel to the dimmest one, and zeta
+// is least where the division by variation ends A.
+TEST(Strata, PrefixesHaveTheFunctionsOfTheDivision) {
+  const Image image = test::SunMap(64, 32, 1024);
+  const SphereMap map = MakeSphereMap(image);
+  const std::vector<StratumPrefix> all = PrefixesOf(map, map.texels());
+  const Strata strata = StrataByVariation(map);
+  const auto least = std::min_element(all.begin(), all.end(),
+                                      [](const auto& a, const auto& b) { return a.zeta < b.zeta; });
+  EXPECT_NEAR(least->area, strata.solid_angle_a, 0.02 * strata.solid_angle_a);
+  for (const std::size_t most : {2u, 50u, 3000u}) {
+    const std::vector<StratumPrefix> prefixes = PrefixesOf(map, most);
+    ASSERT_LE(prefixes.size(), most);
+    EXPECT_GE(prefixes.size(), std::min<std::size_t>(most, 30));
+    EXPECT_EQ(float(prefixes.front().luminance),
+              *std::max_element(map.luminance.begin(), map.luminance.end()));
+    EXPECT_EQ(float(prefixes.back().luminance),
+              *std::min_element(map.luminance.begin(), map.luminance.end()));
+    EXPECT_NEAR(prefixes.back().area, 4 * std::numbers::pi, 1e-9);
+    EXPECT_NEAR(prefixes.back().energy, map.energy, 1e-9 * map.energy);
+    for (std::size_t i = 1; i < prefixes.size(); ++i) {
+      EXPECT_GT(prefixes[i].area, prefixes[i - 1].area);
+      EXPECT_LE(prefixes[i].luminance, prefixes[i - 1].luminance);
+      EXPECT_GE(prefixes[i].energy, prefixes[i - 1].energy);
+    }
+  }
 }
 
 TEST(Strata, MapsWithoutVariationHaveAnEmptyA) {

@@ -22,8 +22,8 @@ std::size_t Count(const std::string& text, const std::string& part) {
   return count;
 }
 
-LogPlot TwoCurves() {
-  LogPlot plot = {.title = "a < b & \"c\"", .x_label = "time", .y_label = "mse"};
+Plot TwoCurves() {
+  Plot plot = {.title = "a < b & \"c\"", .x_label = "time", .y_label = "mse"};
   plot.series = {{"hybrid:lights=64,from=<x>", {{0.01, 0.5, 0.4, 0.6}, {0.1, 0.04, 0.03, 0.05}}},
                  {"importance", {{0.02, 0.3}, {0.2, 0.002}}}};
   plot.levels = {{"target", 0.01}, {"far below", 1e-9}};
@@ -40,15 +40,15 @@ TEST(XmlChecker, FindsMalformedXml) {
 }
 
 TEST(Svg, IsWellFormedWhateverTheNames) {
-  LogPlot plot = TwoCurves();
+  Plot plot = TwoCurves();
   plot.series[1].name = "'&amp;' \x01 ]]>";
-  EXPECT_TRUE(IsWellFormedXml(Svg(std::vector<LogPlot>{plot, TwoCurves()})));
-  EXPECT_TRUE(IsWellFormedXml(Svg(std::vector<LogPlot>{LogPlot()})));
+  EXPECT_TRUE(IsWellFormedXml(Svg(std::vector<Plot>{plot, TwoCurves()})));
+  EXPECT_TRUE(IsWellFormedXml(Svg(std::vector<Plot>{Plot()})));
   EXPECT_TRUE(IsWellFormedXml(Svg({})));
 }
 
 TEST(Svg, HasACurveAMarkerAndALegendForEverySeries) {
-  const std::string svg = Svg(std::vector<LogPlot>{TwoCurves()});
+  const std::string svg = Svg(std::vector<Plot>{TwoCurves()});
   EXPECT_EQ(Count(svg, "hybrid:lights=64,from=&lt;x&gt;</text>"), 1u);
   EXPECT_EQ(Count(svg, ">importance</text>"), 1u);
   EXPECT_EQ(Count(svg, "transform=\"translate("), 4u + 2u + 1u);  // points, legend, axis label
@@ -58,9 +58,9 @@ TEST(Svg, HasACurveAMarkerAndALegendForEverySeries) {
 }
 
 TEST(Svg, LabelsEveryPowerOfTen) {
-  LogPlot plot;
+  Plot plot;
   plot.series = {{"a", {{1, 3e-7}, {4e5, 0.2}}}};
-  const std::string svg = Svg(std::vector<LogPlot>{plot});
+  const std::string svg = Svg(std::vector<Plot>{plot});
   for (const char* const label : {">1</text>", ">10</text>", ">1000</text>", ">4</tspan>",
                                   ">5</tspan>", ">-6</tspan>", ">0.1</text>"}) {
     EXPECT_EQ(Count(svg, label), 1u) << label;
@@ -69,9 +69,9 @@ TEST(Svg, LabelsEveryPowerOfTen) {
 
 // The coordinates of all marks lie in the picture and follow the logarithm.
 TEST(Svg, PlacesPointsOnLogarithmicAxes) {
-  LogPlot plot;
+  Plot plot;
   plot.series = {{"a", {{1, 1}, {10, 0.1}, {100, 0.01}}}};
-  const std::string svg = Svg(std::vector<LogPlot>{plot});
+  const std::string svg = Svg(std::vector<Plot>{plot});
   const std::regex marker("translate\\(([0-9.]+),([0-9.]+)\\) scale");
   std::vector<double> xs, ys;
   for (std::sregex_iterator it(svg.begin(), svg.end(), marker), end; it != end; ++it) {
@@ -86,24 +86,43 @@ TEST(Svg, PlacesPointsOnLogarithmicAxes) {
   for (double x : xs) EXPECT_TRUE(x > 0 && x < 900) << x;
 }
 
+// On linear axes equal steps are equally far apart, zero has a place, and a mark stands where it
+// says.
+TEST(Svg, PlacesPointsOnLinearAxes) {
+  Plot plot;
+  plot.series = {{"a", {{0, 0}, {0.5, 10}, {1, 20}}}};
+  plot.x_scale = plot.y_scale = PlotScale::kLinear;
+  plot.marks = {{"here", 0.25}};
+  plot.markers = false;
+  const std::string svg = Svg(std::vector<Plot>{plot});
+  // The axes are 796 by 420 pixels and begin at (84, 460).
+  EXPECT_NE(svg.find("M84.0,460.0L482.0,250.0L880.0,40.0"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("M283.0,460.0V40.0"), std::string::npos) << svg;
+  for (const char* const label : {">0.4<", ">0<", ">15<"}) {
+    EXPECT_NE(svg.find(label), std::string::npos) << label << svg;
+  }
+  EXPECT_EQ(svg.find(">-0<"), std::string::npos) << svg;
+  EXPECT_EQ(svg.find("translate(482.0,250.0)"), std::string::npos) << svg;
+}
+
 TEST(Svg, LeavesOutValuesWithoutALogarithm) {
-  LogPlot plot = TwoCurves();
-  const std::string before = Svg(std::vector<LogPlot>{plot});
+  Plot plot = TwoCurves();
+  const std::string before = Svg(std::vector<Plot>{plot});
   for (const double bad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
     plot.series[0].points.push_back({1, bad});
     plot.series[0].points.push_back({bad, 1});
   }
-  EXPECT_EQ(Svg(std::vector<LogPlot>{plot}), before);
+  EXPECT_EQ(Svg(std::vector<Plot>{plot}), before);
   EXPECT_EQ(Count(before, "nan"), 0u);
   EXPECT_EQ(Count(before, "inf"), 0u);
 }
 
 // Two repetitions may give an unbounded interval; the curve must remain readable.
 TEST(Svg, EndlessWhiskersDoNotSqueezeTheCurve) {
-  LogPlot plot = TwoCurves();
+  Plot plot = TwoCurves();
   plot.series[0].points[0].low = 1e-300;
   plot.series[0].points[0].high = 1e300;
-  const std::string svg = Svg(std::vector<LogPlot>{plot});
+  const std::string svg = Svg(std::vector<Plot>{plot});
   EXPECT_EQ(Count(svg, "-300"), 0u);
   EXPECT_TRUE(IsWellFormedXml(svg));
 }

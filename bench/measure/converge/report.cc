@@ -57,14 +57,14 @@ nlohmann::ordered_json JsonRung(const Rung& rung, ErrorMeasure measure) {
   return json;
 }
 
-LogPlot PlotOver(const ConvergeReport& report, bool over_time) {
+Plot PlotOver(const ConvergeReport& report, bool over_time) {
   const std::string measure(ToString(report.settings.measure));
-  LogPlot plot = {.title = fmt::format("{}: {} against {}", report.scene, measure,
-                                       over_time ? "render time" : "samples"),
-                  .x_label = over_time ? "render time [s]" : "samples per pixel",
-                  .y_label = measure,
-                  .series = {},
-                  .levels = {{"target", report.summary.target}}};
+  Plot plot = {.title = fmt::format("{}: {} against {}", report.scene, measure,
+                                    over_time ? "render time" : "samples"),
+               .x_label = over_time ? "render time [s]" : "samples per pixel",
+               .y_label = measure,
+               .series = {},
+               .levels = {{"target", report.summary.target}}};
   if (const auto noise = report.reference.noise(report.settings.measure)) {
     plot.levels.push_back({"noise of the reference", *noise});
   }
@@ -177,7 +177,7 @@ std::string JsonText(const ConvergeReport& report) {
   return json.dump(2);
 }
 
-std::vector<LogPlot> Plots(const ConvergeReport& report) {
+std::vector<Plot> Plots(const ConvergeReport& report) {
   return {PlotOver(report, true), PlotOver(report, false)};
 }
 

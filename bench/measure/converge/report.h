@@ -33,6 +33,6 @@ std::vector<std::string> FindWarnings(const ConvergeReport& report);
 // docs/converge.md describes the keys.
 std::string JsonText(const ConvergeReport& report);
 // Plots error against time, and error against samples.
-std::vector<LogPlot> Plots(const ConvergeReport& report);
+std::vector<Plot> Plots(const ConvergeReport& report);
 
 }  // namespace skywave
