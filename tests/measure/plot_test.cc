@@ -103,6 +103,8 @@ TEST(Svg, PlacesPointsOnLinearAxes) {
   }
   EXPECT_EQ(svg.find(">-0<"), std::string::npos) << svg;
   EXPECT_EQ(svg.find("translate(482.0,250.0)"), std::string::npos) << svg;
+  plot.series = {{"a", {{2, 11}, {3, 12}}}};
+  EXPECT_NE(Svg(std::vector<Plot>{plot}).find("M84.0,460.0L880.0,40.0"), std::string::npos);
 }
 
 TEST(Svg, LeavesOutValuesWithoutALogarithm) {
