@@ -73,7 +73,8 @@ struct LightPick {
     picked = hn::RebindMask(F(), picks);
     if (none()) return;
     target = hn::IfThenElseZero(picks, target);
-    if (choice.tree != nullptr) {
+    // The second test is for g++ 12, which without it takes more instructions for the other branch.
+    if (choice.tree != nullptr && surfaces != nullptr) {
       PickByTree(*choice.tree, *surfaces, i, picks, target, units);
     } else {
       light = FindLight(choice, view.count, target);
