@@ -1,6 +1,7 @@
 #include "bench/measure/baseline.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -120,6 +121,11 @@ GateResult JudgeTime(const Baseline& baseline, const Baseline& now, double thres
     result.summary = "one render gives no interval; repeat it";
     return result;
   }
+  if (!now.doubts.empty()) {
+    result.verdict = GateResult::kUnclear;
+    result.summary = fmt::format("{}", fmt::join(now.doubts, "; "));
+    return result;
+  }
   const SpeedRatio ratio = CompareRuns("", {&baseline.seconds, 1}, {&now.seconds, 1});
   result.summary =
       fmt::format("{:.4f} times as long [{:.4f}, {:.4f}], least times {:.4f}", ratio.ratio.value,
@@ -128,6 +134,8 @@ GateResult JudgeTime(const Baseline& baseline, const Baseline& now, double thres
     result.verdict = GateResult::kFailed;
     result.lines.push_back(fmt::format("median {:.4f} s, was {:.4f} s; {:g} % are allowed", ratio.b,
                                        ratio.a, 100 * threshold));
+  } else if (ratio.may_hide(threshold)) {
+    result.verdict = GateResult::kUnclear;
   }
   return result;
 }

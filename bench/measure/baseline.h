@@ -32,11 +32,12 @@ struct Baseline {
   NamedTexts options;                // what decides the picture and how it is cut into waves
   std::string hits;                  // the instructions by which Embree found the hits: "isa=avx2"
   std::vector<Counter> counters = {};
-  std::string toolchain = {};           // what `instructions` belong to
-  StageInstructions instructions = {};  // empty: not counted
-  std::string not_counted = {};         // why; not in files
-  NamedTexts machine = {};              // what `seconds` belong to
-  std::vector<double> seconds = {};     // [s] every render; empty: not measured
+  std::string toolchain = {};            // what `instructions` belong to
+  StageInstructions instructions = {};   // empty: not counted
+  std::string not_counted = {};          // why; not in files
+  NamedTexts machine = {};               // what `seconds` belong to
+  std::vector<double> seconds = {};      // [s] every render; empty: not measured
+  std::vector<std::string> doubts = {};  // why they are not to be trusted; not in files
 };
 
 nlohmann::ordered_json Json(const Baseline& baseline);
@@ -48,8 +49,9 @@ Baseline BaselineOf(const nlohmann::json& json, const std::string& file);
 // The result of a gate.
 struct GateResult {
   BaselineGate gate;
-  enum { kPassed, kFailed, kSkipped } verdict = kPassed;
-  std::string summary;             // half a line; why it was skipped
+  // Unclear: the times are too uncertain to tell.
+  enum { kPassed, kFailed, kSkipped, kUnclear } verdict = kPassed;
+  std::string summary;             // half a line; why it was skipped or is unclear
   std::vector<std::string> lines;  // one for each thing that differs
 };
 

@@ -125,7 +125,7 @@ SpeedRatio CompareRuns(const std::string& name, std::span<const std::vector<doub
   SpeedRatio ratio = {.name = name,
                       .a = a.size() == 1 ? Median(a[0]) : kNotCompared,
                       .b = b.size() == 1 ? Median(b[0]) : kNotCompared,
-                      .ratio = WelchRatio(a, b),
+                      .ratio = WelchRatio(a, b, kKeptTimes),
                       .least = 1};
   for (std::size_t i = 0; i < a.size(); ++i) {
     ratio.least *= std::pow(least(b[i]) / least(a[i]), 1 / double(a.size()));
@@ -143,10 +143,38 @@ BenchComparison CompareRecords(std::span<const BenchRecord> records) {
       notes.push_back(fmt::format("{} against {}: {}", first.file, records[i].file, difference));
     }
   }
+  std::vector<std::string> doubts;
+  for (const BenchRecord& record : records) {
+    for (const SceneRecord& scene : record.scenes) {
+      for (const std::string& doubt : scene.doubts) {
+        doubts.push_back(fmt::format("{}: {}: {}", record.file, scene.name, doubt));
+      }
+    }
+  }
   return {.pairs = records.size() / 2,
           .ratios = records.size() == 2 ? CompareRepetitions(records[0], records[1])
                                         : ComparePairs(records),
-          .notes = std::move(notes)};
+          .notes = std::move(notes),
+          .doubts = std::move(doubts)};
+}
+
+JudgedSpeed Judge(const BenchComparison& comparison, double threshold) {
+  if (comparison.pairs == 1 && !comparison.doubts.empty()) return {SpeedVerdict::kCannotTell, {}};
+  const auto named = [&](SpeedVerdict verdict, const auto& holds) {
+    JudgedSpeed judged = {verdict, {}};
+    for (const SpeedRatio& ratio : comparison.ratios) {
+      if (holds(ratio)) judged.names.push_back(ratio.name);
+    }
+    return judged;
+  };
+  const JudgedSpeed slower =
+      named(SpeedVerdict::kSlower, [&](const SpeedRatio& r) { return r.slower(threshold); });
+  if (!slower.names.empty()) return slower;
+  const JudgedSpeed unclear =
+      named(SpeedVerdict::kCannotTell, [&](const SpeedRatio& r) { return r.may_hide(threshold); });
+  if (!unclear.names.empty()) return unclear;
+  const bool faster = comparison.ratios.front().faster(threshold);
+  return {faster ? SpeedVerdict::kFaster : SpeedVerdict::kPassed, {}};
 }
 
 }  // namespace skywave

@@ -4,12 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/json_input.h"
+#include "bench/measure/speed.h"
 
 namespace skywave {
 namespace {
 
-constexpr std::string_view kMachineKeys[] = {"processor", "compiler", "build", "instructions",
-                                             "embree_config"};
+constexpr std::string_view kMachineKeys[] = {"processor",    "compiler",       "build",
+                                             "instructions", "embree_config",  "microcode",
+                                             "governor",     "virtual_machine"};
 constexpr std::string_view kSettingKeys[] = {"threads", "wave"};
 
 int Whole(const JsonInput& value) {
@@ -25,6 +27,29 @@ void AddCounts(const JsonInput& from, SceneRecord& scene) {
 std::vector<double> Processor(const JsonInput& from) {
   if (!from.has("repetitions") || !from.at("repetitions").has("processor")) return {};
   return from.at("repetitions").at("processor").positive_numbers();
+}
+
+// The doubts of a scene whose times are `from`; results of versions that did not look have none.
+std::vector<std::string> Doubts(const JsonInput& from, std::size_t renders) {
+  std::vector<std::string> doubts;
+  if (from.has("conditions") && !from.at("conditions").is_null()) {
+    const JsonInput conditions = from.at("conditions");
+    const auto share = [&](const char* key) -> std::optional<double> {
+      if (!conditions.has(key) || conditions.at(key).is_null()) return {};
+      return conditions.at(key).number();
+    };
+    Conditions read = {.waiting = share("waiting"), .stolen = share("stolen"), .throttled = {}};
+    if (share("throttled")) {
+      read.throttled = conditions.at("throttled").whole_number(0, JsonInput::kMostWhole);
+    }
+    doubts = read.disturbances();
+  }
+  if (!from.has("deviation")) return doubts;
+  const JsonInput deviation = from.at("deviation");
+  if (deviation.at("limit").is_null()) return doubts;
+  const double relative = deviation.at("relative").number(), limit = deviation.at("limit").number();
+  if (relative > limit) doubts.push_back(UnsteadyText(renders, relative, limit));
+  return doubts;
 }
 
 }  // namespace
@@ -53,6 +78,7 @@ BenchRecord RecordOf(const nlohmann::json& json, const std::string& file) {
     SceneRecord scene = {.name = root.has("scene") ? root.at("scene").text() : "picture",
                          .render = root.at("render_seconds").positive_numbers(),
                          .processor = Processor(root)};
+    scene.doubts = Doubts(root, scene.render.size());
     if (root.has("picture_hash")) scene.picture = root.at("picture_hash").text();
     AddCounts(root, scene);
     record.scenes.push_back(std::move(scene));
@@ -63,6 +89,7 @@ BenchRecord RecordOf(const nlohmann::json& json, const std::string& file) {
                          .picture = from.at("picture").at("expected").text(),
                          .render = from.at("repetitions").at("render").positive_numbers(),
                          .processor = Processor(from)};
+    scene.doubts = Doubts(from, scene.render.size());
     AddCounts(from, scene);
     record.scenes.push_back(std::move(scene));
   }

@@ -16,11 +16,12 @@ inline constexpr std::string_view kSceneSchema = "skywave-bench-2";
 
 struct SceneRecord {
   std::string name;
-  std::string picture;            // hash of the expected picture; empty: unknown
-  double samples = 0;             // of a render; 0: unknown
-  double rays = 0;                // likewise, of all kinds
-  std::vector<double> render;     // [s] every repetition, wall clock
-  std::vector<double> processor;  // [s] of all threads meanwhile; empty: unknown
+  std::string picture;                   // hash of the expected picture; empty: unknown
+  double samples = 0;                    // of a render; 0: unknown
+  double rays = 0;                       // likewise, of all kinds
+  std::vector<double> render;            // [s] every repetition, wall clock
+  std::vector<double> processor;         // [s] of all threads meanwhile; empty: unknown
+  std::vector<std::string> doubts = {};  // why the times are not to be trusted
 };
 
 struct BenchRecord {

@@ -67,13 +67,13 @@ void WriteAll(int file, const std::string& text) {
 
 // The life of a copy. It ends without running what the parent's exit would run.
 [[noreturn]] void BeCopy(int file, pid_t parent, std::optional<int> processor, CopyCounts& counts,
-                         int copies, const CopyWork& work) {
+                         int copies, int copy, const CopyWork& work) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(kExitIo);
   // The first byte says whether it is pinned.
   WriteAll(file, processor && Pin(*processor) ? "p" : "-");
   try {
-    CopyBarrier barrier(counts, copies);
+    CopyBarrier barrier(counts, copies, copy);
     WriteAll(file, work(barrier));
     ::_exit(0);
   } catch (const InputError& error) {
@@ -151,6 +151,12 @@ std::vector<int> ProcessorsByCore() {
   return firsts;
 }
 
+std::vector<std::size_t> PartsOfCopy(int copy, std::size_t parts, bool rotate) {
+  std::vector<std::size_t> order(parts);
+  for (std::size_t i = 0; i < parts; ++i) order[i] = (i + (rotate ? std::size_t(copy) : 0)) % parts;
+  return order;
+}
+
 std::vector<CopyResult> RunCopies(int copies, std::span<const int> processors,
                                   const CopyWork& work) {
   SharedMemory memory;
@@ -165,7 +171,7 @@ std::vector<CopyResult> RunCopies(int copies, std::span<const int> processors,
     const pid_t process = piped ? ::fork() : -1;
     if (process == 0) {
       ::close(ends[0]);
-      BeCopy(ends[1], parent, results[i].processor, memory.counts(), copies, work);
+      BeCopy(ends[1], parent, results[i].processor, memory.counts(), copies, int(i), work);
     }
     if (piped) ::close(ends[1]);
     running[i] = {process, piped ? ends[0] : -1};

@@ -2,6 +2,7 @@
 // when it renders many pictures, one thread each (the "rate" of SPEC CPU).
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>
@@ -19,7 +20,10 @@ struct CopyCounts;
 // How a copy waits for the others. If one fails, all end.
 class CopyBarrier {
  public:
-  CopyBarrier(CopyCounts& counts, int copies) : counts_(counts), copies_(copies) {}
+  CopyBarrier(CopyCounts& counts, int copies, int copy)
+      : counts_(counts), copies_(copies), copy_(copy) {}
+  // Returns which of the copies this is, from 0.
+  int copy() const { return copy_; }
   // Waits until all copies have called this.
   void Meet();
   // Reports that this copy has measured enough since it last met the others, and returns whether
@@ -28,7 +32,7 @@ class CopyBarrier {
 
  private:
   CopyCounts& counts_;
-  int copies_, meetings_ = 0, parts_ = 0;
+  int copies_, copy_, meetings_ = 0, parts_ = 0;
   bool waits_ = false;  // has finished the current part before others
 };
 
@@ -36,6 +40,10 @@ class CopyBarrier {
 // after it goes on working until Finish returns true: the slowest copy never has the machine for
 // itself.
 using CopyWork = std::function<std::string(CopyBarrier& barrier)>;
+
+// Returns the order in which copy `copy` goes through `parts` parts: from the first to the last,
+// or, if copies rotate, each from another one on, so that different ones run at once.
+std::vector<std::size_t> PartsOfCopy(int copy, std::size_t parts, bool rotate);
 
 struct CopyResult {
   std::optional<int> processor;  // pinned to it; none where the system did not allow that

@@ -2,11 +2,14 @@
 
 #include <OpenEXRConfig.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
 #include <xxhash.h>
 
+#include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "base/granted.h"
 #include "bench/measure/revision.h"
@@ -17,14 +20,42 @@
 namespace skywave {
 namespace {
 
-std::string ProcessorName() {
+// Returns what /proc/cpuinfo says of the first processor under `key`; empty if it does not.
+std::string OfProcessor(std::string_view key) {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {
-    if (!line.starts_with("model name")) continue;
+    if (!line.starts_with(key)) continue;
     const std::size_t colon = line.find(": ");
     if (colon != std::string::npos) return line.substr(colon + 2);
   }
-  return "unknown";
+  return "";
+}
+
+// Returns the first line of a file; empty if there is none.
+std::string FirstLine(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+std::string Governors() {
+  std::set<std::string> found;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at("/sys/devices/system/cpu", error), end;
+       !error && at != end; at.increment(error)) {
+    const std::string governor = FirstLine(at->path() / "cpufreq/scaling_governor");
+    if (!governor.empty()) found.insert(governor);
+  }
+  return fmt::format("{}", fmt::join(found, ","));
+}
+
+std::string VirtualMachine() {
+  const std::string flags = " " + OfProcessor("flags") + " ";
+  if (flags == "  ") return "";
+  if (flags.find(" hypervisor ") == std::string::npos) return "none";
+  const std::string name = FirstLine("/sys/class/dmi/id/product_name");
+  return name.empty() ? "yes" : name;
 }
 
 std::string SystemName() {
@@ -48,7 +79,11 @@ std::string BuildKind() {
 }  // namespace
 
 Machine DescribeMachine(const std::string& embree_config) {
-  return {.processor = ProcessorName(),
+  const std::string processor = OfProcessor("model name");
+  return {.processor = processor.empty() ? "unknown" : processor,
+          .microcode = OfProcessor("microcode"),
+          .governor = Governors(),
+          .virtual_machine = VirtualMachine(),
           .processors = GrantedHere().threads,
           .memory_bytes = double(GrantedHere().memory_bytes),
           .system = SystemName(),

@@ -9,7 +9,10 @@ namespace skywave {
 
 struct Machine {
   std::string processor;  // as named by the operating system
-  int processors = 0;     // number available to this process
+  std::string microcode;  // its version; empty: unknown, as the next two
+  std::string governor;   // of its clock, as in "performance"; several are separated by commas
+  std::string virtual_machine;  // "none", "yes", or its name where that is known
+  int processors = 0;           // number available to this process
   double memory_bytes = 0;
   std::string system;           // operating system and its version
   std::string compiler, build;  // compiler and build of this program

@@ -1,5 +1,7 @@
 #include "bench/measure/speed.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
@@ -45,7 +47,13 @@ void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[k
 
 double Speed::render_seconds() const { return Median(render); }
 
-double Speed::deviation() const { return RelativeDeviation(render); }
+double Speed::deviation() const { return RelativeDeviation(FastestOf(render)); }
+
+std::vector<std::string> Speed::doubts() const {
+  std::vector<std::string> found = conditions.disturbances();
+  if (!steady()) found.push_back(UnsteadyText(render.size(), deviation(), deviation_limit));
+  return found;
+}
 
 BestReplay Speed::best_replay(RayOrder order, RayKind kind) const {
   BestReplay best = {.call = kBackends[0], .seconds = std::numeric_limits<double>::infinity()};
@@ -121,9 +129,14 @@ Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& fi
   counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
   for (const int threads : counts) speed.scaling.push_back({.threads = threads, .render = {}});
 
+  ConditionsWatch conditions;
   const int most = settings.repetitions * kMostRepetitions;
   for (int done = 0; done < settings.repetitions || (done < most && !speed.steady()); ++done) {
+    conditions.Begin();
+    if (settings.hardware != nullptr) settings.hardware->Begin();
     const FrameResult frame = RenderAgain(job, job.options().threads);
+    if (settings.hardware != nullptr) settings.hardware->End();
+    conditions.End();
     speed.render.push_back(frame.seconds);
     speed.processor.push_back(frame.processor_seconds);
     speed.stages.push_back(frame.stats.stage_seconds);
@@ -135,7 +148,14 @@ Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& fi
     if (settings.replay) ReplayAll(job, ordered, speed);
   }
   speed.load_average_after = LoadAverage();
+  speed.conditions = conditions.conditions();
+  if (settings.hardware != nullptr) speed.hardware = settings.hardware->Take();
   return speed;
+}
+
+std::string UnsteadyText(std::size_t renders, double deviation, double limit) {
+  return fmt::format("the times of {} renders deviate by {:.1f} %, more than {:.1f} %", renders,
+                     100 * deviation, 100 * limit);
 }
 
 double LoadAverage() {

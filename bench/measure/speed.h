@@ -5,8 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "bench/measure/conditions.h"
+#include "bench/measure/hardware_events.h"
 #include "job/job.h"
 #include "wavefront/rays/replay.h"
 #include "wavefront/render.h"
@@ -15,11 +19,12 @@ namespace skywave {
 
 struct SpeedSettings {
   int repetitions = 5;  // at least
-  // Repetitions go on until the times of the renders have at most this relative standard deviation,
-  // or kMostRepetitions times their number is reached. 0: they do not go on.
+  // Repetitions go on until the fastest renders have at most this relative standard deviation, or
+  // kMostRepetitions times their number is reached. 0: they do not go on.
   double deviation = 0;
-  std::vector<int> thread_counts;  // measured in addition to the job's own threads
-  bool replay = true;              // false: only renders
+  std::vector<int> thread_counts;     // measured in addition to the job's own threads
+  bool replay = true;                 // false: only renders
+  HardwareWatch* hardware = nullptr;  // what the renders are counted with; null: they are not
 };
 
 // If times still scatter after this many times the repetitions, the machine is busy with something
@@ -54,10 +59,14 @@ struct Speed {
   ReplaySeconds replay[kRayOrders][kReplayCalls];     // empty if not replayed
   std::vector<ThreadSeconds> scaling;                 // ascending, including the job's own threads
   double load_average_before = 0, load_average_after = 0;  // over the last minute
+  Conditions conditions;                                   // of the renders
+  std::optional<HardwareCounts> hardware;                  // likewise; nothing: not counted
 
   double render_seconds() const;  // median
-  double deviation() const;       // relative standard deviation of the renders
+  double deviation() const;       // relative standard deviation of the fastest renders (FastestOf)
   bool steady() const { return deviation_limit == 0 || deviation() <= deviation_limit; }
+  // Returns why these times are not to be trusted, each as half a sentence; empty: no reason known.
+  std::vector<std::string> doubts() const;
   bool replayed(RayOrder order) const { return !replay[int(order)][0][0].empty(); }
   // `order` must have been replayed.
   BestReplay best_replay(RayOrder order, RayKind kind) const;
@@ -80,6 +89,9 @@ struct Speed {
   // Returns the speed-up of `threads` over one thread. 0: not measured.
   double speed_up(int threads) const;
 };
+
+// Returns a doubt about `renders` that deviate by more than `limit`.
+std::string UnsteadyText(std::size_t renders, double deviation, double limit);
 
 // Renders a frame into `film`, which must be empty, to record its rays and warm up; then alternates
 // renders and replays, so that a slow minute of the machine affects all of them.

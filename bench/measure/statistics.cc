@@ -77,18 +77,35 @@ double RelativeDeviation(std::span<const double> values) {
   return values.size() < 2 ? 0 : std::sqrt(SampleVariance(values)) / Mean(values);
 }
 
-Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b) {
+std::size_t KeptOf(std::size_t count, double share) {
+  const auto kept = std::size_t(std::ceil(share * double(count)));
+  return std::min(count, std::max<std::size_t>(kept, 3));
+}
+
+std::vector<double> FastestOf(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  times.resize(KeptOf(times.size(), kKeptTimes));
+  return times;
+}
+
+Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b,
+                 double kept) {
   double log_ratio = 0, variance = 0, squares = 0;
   bool known = true;
   const double weight = 1 / double(a.size());
   const auto add = [&](const std::vector<double>& values, double sign) {
-    const std::vector<double> logs = Logarithms(values);
-    log_ratio += sign * weight * Mean(logs);
-    known &= logs.size() > 1;
+    std::vector<double> logs = Logarithms(values);
+    std::sort(logs.begin(), logs.end());
+    const std::size_t count = KeptOf(logs.size(), kept);
+    log_ratio += sign * weight * Mean(std::span(logs).first(count));
+    known &= count > 1;
     if (!known) return;
-    const double part = weight * weight * SampleVariance(logs) / double(logs.size());
+    std::fill(logs.begin() + std::ptrdiff_t(count), logs.end(), logs[count - 1]);
+    const double degrees = double(count - 1);
+    const double part = weight * weight * SampleVariance(logs) * double(logs.size() - 1) /
+                        (double(count) * degrees);
     variance += part;
-    squares += part * part / double(logs.size() - 1);
+    squares += part * part / degrees;
   };
   for (const std::vector<double>& values : a) add(values, -1);
   for (const std::vector<double>& values : b) add(values, 1);

@@ -2,6 +2,7 @@
 // with a level. All intervals are 95 % intervals.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,14 @@ Interval MeanInterval(std::span<const double> values);
 // Returns the standard deviation over the mean; 0 for fewer than two values, which show none.
 double RelativeDeviation(std::span<const double> values);
 
+// The share of the times of a run that a comparison keeps, the fastest ones: what else a machine
+// does only ever adds to a time.
+inline constexpr double kKeptTimes = 0.75;
+// Returns the number of `count` values that are kept; at least three where there are as many.
+std::size_t KeptOf(std::size_t count, double share);
+// Returns the fastest of `times` that are kept, in ascending order.
+std::vector<double> FastestOf(std::vector<double> times);
+
 // A ratio of positive quantities, with its interval.
 struct Ratio {
   double value;
@@ -42,8 +51,12 @@ struct Ratio {
 // Returns the geometric mean over i of the ratios of the geometric means of b[i] to those of a[i],
 // with the interval of Welch's test on logarithms (Welch 1947): groups need not have equal numbers
 // of values or equal variances. It is unknown if a group has fewer than two values. `a` and `b`
-// have equally many groups, at least one, none of them empty.
-Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b);
+// have equally many groups, at least one, none of them empty. Of each group the least values are
+// kept, by their share: the means are those of these values, and their errors come from the
+// variance of all, with those above raised no further than to the last one that is kept (Yuen
+// 1974).
+Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b,
+                 double kept = 1);
 // Returns the geometric mean of ratios that were measured in pairs, with Student's interval on
 // logarithms; unknown for fewer than two.
 Ratio PairedRatio(std::span<const double> ratios);

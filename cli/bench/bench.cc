@@ -24,7 +24,7 @@
 namespace skywave {
 namespace {
 
-constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
+constexpr int kSceneRepetitions = 9, kQuickRepetitions = 3, kFullRepetitions = 9;
 // Limit of rays that a replay keeps in memory without asking: 72 bytes each, in three orders.
 constexpr double kMaxRecordedRays = 2e7;
 
@@ -48,7 +48,11 @@ const std::vector<BenchKind>& BenchKinds() {
        {"json", "progress", "full"},
        BenchSustained,
        BenchSustained},
-      {"copies", Kind::kSceneOrSuite, {"json", "repetitions", "full"}, BenchCopies, BenchCopies},
+      {"copies",
+       Kind::kSceneOrSuite,
+       {"json", "repetitions", "full", "rotate"},
+       BenchCopies,
+       BenchCopies},
       {"baseline",
        Kind::kScene,
        {"repetitions", "deviation", "update-baseline", "gates", "threshold"},
@@ -103,13 +107,6 @@ void CheckGiven(const Command& command, const BenchKind& kind, const GivenOption
   }
 }
 
-// Prints the notes of measurements that did not become steady.
-void PrintUnsteady(const Speed& speed, std::string_view scene) {
-  if (const std::string note = Unsteady(speed, scene); !note.empty()) {
-    Print(stderr, "note: {}\n", note);
-  }
-}
-
 nlohmann::ordered_json SceneJson(const RenderJob& job, const Film& film, const Speed& speed,
                                  const Machine& machine) {
   const RenderStats& stats = speed.first.stats;
@@ -129,18 +126,25 @@ nlohmann::ordered_json SceneJson(const RenderJob& job, const Film& film, const S
   const nlohmann::ordered_json measured = Json(speed);
   json["deviation"] = measured.at("deviation");
   json["repetitions"] = measured.at("repetitions");
-  json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
-  json["replay"] = measured.at("replay");
+  json["conditions"] = measured.at("conditions");
+  json["hardware"] = measured.at("hardware");
+  json["load_average"] = measured.at("load_average");
+  json["replay_seconds"];  // null unless replayed, as the next one
+  json["replay"];
+  if (measured.contains("replay")) {
+    json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
+    json["replay"] = measured.at("replay");
+  }
   for (std::uint32_t i = 0; i < kRayKinds; ++i) {
     json["rays"][std::string(kRayKindNames[i])] = {
         {"count", stats.rays[i]},
         {"traced_mrays_per_s", speed.traced_mrays_per_second(RayKind(i))},
-        {"raw_mrays_per_s", speed.raw_mrays_per_second(RayKind(i))}};
+        {"raw_mrays_per_s", Measured(speed.raw_mrays_per_second(RayKind(i)))}};
   }
   json["machine"] = Json(machine);
   json["summary"] = {{"msamples_per_s", double(stats.samples) / seconds * 1e-6},
                      {"mrays_per_s", double(stats.total_rays()) / seconds * 1e-6},
-                     {"embree_fraction", speed.embree_fraction()}};
+                     {"embree_fraction", Measured(speed.embree_fraction())}};
   return json;
 }
 
@@ -186,32 +190,37 @@ bool PictureIsRight(const SuiteScene& scene, PictureCheck check, const Fingerpri
 
 int BenchScene(const BenchFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
+  HardwareWatch hardware;
   const FilesRead inputs;
   const RenderJob job(flags.request);
   inputs.CheckAreNot(std::array{flags.json});
   PrintRemarks(job);
   Film film = job.MakeFilm();
-  const Speed speed = MeasureSpeed(
-      job,
-      {.repetitions = RepetitionsOf(flags), .deviation = DeviationOf(flags), .thread_counts = {}},
-      film);
+  const Speed speed = MeasureSpeed(job,
+                                   {.repetitions = RepetitionsOf(flags),
+                                    .deviation = DeviationOf(flags),
+                                    .thread_counts = {},
+                                    .replay = !flags.renders_only,
+                                    .hardware = &hardware},
+                                   film);
   const RenderStats& stats = speed.first.stats;
-  if (double(stats.total_rays()) > kMaxRecordedRays) {
+  if (!flags.renders_only && double(stats.total_rays()) > kMaxRecordedRays) {
     Print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
           double(stats.total_rays()) * 1e-6);
   }
-  PrintUnsteady(speed, job.request().scene);
-  const nlohmann::ordered_json json =
-      SceneJson(job, film, speed, DescribeMachine(flags.request.embree_config));
+  const Machine machine = DescribeMachine(flags.request.embree_config);
+  PrintGovernor(machine);
+  PrintDoubts(speed, job.request().scene);
+  const nlohmann::ordered_json json = SceneJson(job, film, speed, machine);
   if (WriteResult(flags, json)) return 0;
   const nlohmann::ordered_json& summary = json.at("summary");
-  Print(stdout, "raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads,
-        speed.render.size(), ReplayText(speed), RayText(speed));
-  Print(stdout, "render    {:>16}, backend {}\n", RenderText(speed),
-        ToString(job.options().backend));
-  Print(stdout, "SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n",
+  Print(stdout, "{}{} threads, medians of {}\n{}{}", flags.renders_only ? "" : "raw Embree, ",
+        speed.first.threads, speed.render.size(), ReplayText(speed), RayText(speed));
+  Print(stdout, "render    {:>16}, backend {}\n{}", RenderText(speed),
+        ToString(job.options().backend), HardwareText(speed));
+  Print(stdout, "SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f}{}\n",
         summary.at("msamples_per_s").get<double>(), summary.at("mrays_per_s").get<double>(),
-        summary.at("embree_fraction").get<double>());
+        flags.renders_only ? "" : fmt::format(" embree_fraction={:.3f}", speed.embree_fraction()));
   return 0;
 }
 
@@ -220,7 +229,9 @@ int BenchSuite(const BenchFlags& flags) {
   std::vector<HistoryEntry> history;
   for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
 
+  HardwareWatch hardware;
   SpeedSettings settings;
+  settings.hardware = &hardware;
   settings.repetitions = flags.counters ? 0 : RepetitionsOf(flags);
   settings.deviation = DeviationOf(flags);
   settings.replay = !flags.counters && !flags.renders_only;
@@ -231,6 +242,7 @@ int BenchSuite(const BenchFlags& flags) {
                         .machine = DescribeMachine(flags.request.embree_config),
                         .repetitions = settings.repetitions,
                         .replayed = settings.replay};
+  if (settings.repetitions > 0) PrintGovernor(report.machine);
   bool right = true;
   const bool tables = flags.counters || !flags.renders_only;
   const auto scenes = SuiteScenes(flags.full);
@@ -242,7 +254,7 @@ int BenchSuite(const BenchFlags& flags) {
     display->Clear();
     const SuiteResult& result = report.results.back();
     right &= PictureIsRight(scene, result.check, result.found);
-    PrintUnsteady(result.speed, scene.name);
+    PrintDoubts(result.speed, scene.name);
     display->End();
   }
   display.reset();
@@ -267,18 +279,19 @@ std::vector<OptionOf<BenchFlags>> Options() {
   constexpr OptionMaker<BenchFlags> option = {};
   // clang-format off
   return {
-    option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "5; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),
-    option({.name = "deviation", .help = "go on until the times of the renders have this relative standard deviation, for at most four times the repetitions; 0: do not", .default_text = "2.5, or 0 with --repetitions", .metavar = "PERCENT"}, FIELD(deviation_percent), Numbers(0.0, 1000.0)),
+    option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "9; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),
+    option({.name = "deviation", .help = "go on until the fastest three quarters of the renders have this relative standard deviation, for at most four times the repetitions; 0: do not", .default_text = "2.5, or 0 with --repetitions", .metavar = "PERCENT"}, FIELD(deviation_percent), Numbers(0.0, 1000.0)),
+    option({.name = "renders-only", .help = "no replays, other thread counts or tables: for comparisons of two programs"}, FIELD(renders_only), Switches()),
     option({.name = "json", .help = "write every repetition to this file"}, FIELD(json), Texts("JSON")),
     option({.name = "export", .help = "print, instead of the text, JSON for Bencher (bmf) or as Google Benchmark prints it"}, FIELD(export_as), NamesOfEnum<ExportFormat>()),
     ProgressOption<BenchFlags>(),
     option({.name = "full", .group = kSuite, .help = "larger pictures, more repetitions"}, FIELD(full), Switches()),
-    option({.name = "renders-only", .group = kSuite, .help = "no replays, other thread counts or tables: for comparisons of two programs"}, FIELD(renders_only), Switches()),
+    option({.name = "rotate", .group = kSuite, .help = "each copy begins with another scene, so that different ones run at once", .needs = "copies"}, FIELD(rotate), Switches()),
     option({.name = "report", .group = kSuite, .help = "write a page with charts to this file"}, FIELD(report), Texts("HTML")),
     option({.name = "history", .group = kSuite, .help = "JSON files of earlier runs, for the page", .most_values = 1000, .needs = "report"}, FIELD(history), Texts("JSON ...")),
     option({.name = "sustain", .group = kOther, .help = "render for this long without a pause, to see whether the speed lasts as the machine grows warm", .metavar = "SECONDS"}, FIELD(sustain_seconds), Numbers(0.1, 1e6)),
     option({.name = "copies", .group = kOther, .help = "this many processes at once, one thread each, pinned one a core: the sum of what they do", .metavar = "N"}, FIELD(copies), Numbers(1, 4096)),
-    option({.name = "compare", .group = kOther, .help = "compare two results of --json, or pairs of runs in turn (A B A B); exit code 1 if B is slower", .most_values = 1000}, FIELD(compare), Texts("JSON ...")),
+    option({.name = "compare", .group = kOther, .help = "compare two results of --json, or pairs of runs in turn (A B A B); exit codes: 1 if B is slower, 2 if the times cannot tell", .most_values = 1000}, FIELD(compare), Texts("JSON ...")),
     option({.name = "counters", .group = kGuard, .help = "only counters: rays, rows, bytes, hashes; the same text every time"}, FIELD(counters), Switches()),
     option({.name = "instructions", .group = kGuard, .help = "only instructions of each stage, counted by valgrind in a picture 64 pixels wide"}, FIELD(instructions), Switches()),
     option({.name = "baseline", .group = kGuard, .help = "compare the scene with this file; exit codes: 1 counters, 2 instructions, 3 time"}, FIELD(baseline), Texts("JSON")),

@@ -1,5 +1,6 @@
 // Compares results that bench has written.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -20,13 +21,9 @@ void PrintSpeedRatio(const SpeedRatio& ratio) {
         ratio.ratio.interval.high);
 }
 
-std::string Verdict(const BenchComparison& comparison, double threshold) {
-  std::string slower;
-  for (const SpeedRatio& ratio : comparison.ratios) {
-    if (ratio.slower(threshold)) slower += (slower.empty() ? "slower: " : ", ") + ratio.name;
-  }
-  if (!slower.empty()) return slower;
-  return comparison.ratios.front().faster(threshold) ? "faster" : "passed";
+int ExitCodeOf(SpeedVerdict verdict) {
+  if (verdict == SpeedVerdict::kSlower) return kExitSlower;
+  return verdict == SpeedVerdict::kCannotTell ? kExitCannotTell : 0;
 }
 
 }  // namespace
@@ -44,15 +41,23 @@ int CompareBenches(const BenchFlags& flags) {
   Print(stdout, "{:<16}{:>10}{:>10}{:>9}{:>9}  interval of 95 % ({})\n",
         records[0].scenes.size() > 1 ? records[0].subject : "scene", "A [s]", "B [s]", "B / A",
         "least",
-        comparison.pairs == 1 ? "Welch, repetitions"
+        comparison.pairs == 1 ? "Yuen, repetitions"
                               : fmt::format("{} pairs of runs", comparison.pairs));
   for (const SpeedRatio& ratio : comparison.ratios) PrintSpeedRatio(ratio);
   const Ratio& whole = comparison.ratios.front().ratio;
-  const std::string verdict = Verdict(comparison, threshold);
+  const JudgedSpeed judged = Judge(comparison, threshold);
+  std::string verdict(ToString(judged.verdict));
+  if (!judged.names.empty()) verdict += fmt::format(": {}", fmt::join(judged.names, ", "));
+  for (const std::string& doubt : comparison.doubts) Print(stdout, "doubt: {}\n", doubt);
+  if (judged.verdict == SpeedVerdict::kCannotTell) {
+    Print(stdout, "{}: measure again with nothing else running, or compare runs in turn: A B A B\n",
+          judged.names.empty() ? "times that are doubted say nothing"
+                               : "intervals are wider than the threshold");
+  }
   Print(stdout, "COMPARE ratio={:.4f} low={:.4f} high={:.4f} pairs={} threshold={:g}% result={}\n",
         whole.value, whole.interval.low, whole.interval.high, comparison.pairs,
         flags.threshold_percent, verdict);
-  return verdict.starts_with("slower") ? kExitSlower : 0;
+  return ExitCodeOf(judged.verdict);
 }
 
 }  // namespace skywave

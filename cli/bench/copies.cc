@@ -35,7 +35,7 @@ std::vector<CopyScene> CopyScenes(const BenchFlags& flags) {
   return scenes;
 }
 
-// Returns {"samples", "seconds"} of a scene as JSON; all copies render it at the same time.
+// Returns {"samples", "seconds"} of a scene as JSON; all copies render at the same time.
 // The file `output` must not be one that the scene is read from.
 nlohmann::json MeasureCopy(const CopyScene& scene, int repetitions, const std::string& output,
                            CopyBarrier& barrier) {
@@ -78,9 +78,9 @@ int BenchCopies(const BenchFlags& flags) {
   const int copies = *flags.copies, repetitions = RepetitionsOf(flags);
   const std::vector<CopyResult> results =
       RunCopies(copies, ProcessorsByCore(), [&](CopyBarrier& barrier) {
-        nlohmann::json measured;
-        for (const CopyScene& scene : scenes) {
-          measured.push_back(MeasureCopy(scene, repetitions, flags.json, barrier));
+        nlohmann::json measured = nlohmann::json::array();
+        for (const std::size_t i : PartsOfCopy(barrier.copy(), scenes.size(), flags.rotate)) {
+          measured[i] = MeasureCopy(scenes[i], repetitions, flags.json, barrier);
         }
         return measured.dump();
       });
@@ -90,7 +90,8 @@ int BenchCopies(const BenchFlags& flags) {
                                  {"subject", flags.has_scene() ? flags.request.scene
                                              : flags.full      ? "full suite"
                                                                : "quick suite"},
-                                 {"repetitions", repetitions}};
+                                 {"repetitions", repetitions},
+                                 {"rotate", flags.rotate}};
   std::vector<double> sums(scenes.size(), 0), each;
   std::size_t pinned = 0;
   Print(stdout, "{} copies of one thread, {} repetitions, Msamples/s\n{:>6}{:>11}", copies,

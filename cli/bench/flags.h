@@ -23,6 +23,7 @@ struct BenchFlags {
   bool full = false, counters = false, instructions = false, renders_only = false;
   std::optional<double> sustain_seconds;
   std::optional<int> copies;
+  bool rotate = false;
   std::vector<std::string> compare;
   std::string baseline;
   std::optional<std::string> new_baseline_reason;
@@ -34,7 +35,7 @@ struct BenchFlags {
   bool has_scene() const { return !request.scene.empty(); }
 };
 
-inline constexpr int kExitWrongPicture = 1, kExitSlower = 1;
+inline constexpr int kExitWrongPicture = 1, kExitSlower = 1, kExitCannotTell = 2;
 inline constexpr int kExitSkipped = 77;  // as the checks of automake report it
 
 // The number of repetitions: what was asked for, else that of a scene or a suite.

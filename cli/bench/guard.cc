@@ -44,9 +44,7 @@ Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
                             .replay = false};
   if (!Has(gates, BaselineGate::kTime)) settings.repetitions = 0;
   const Speed speed = MeasureSpeed(job, settings, film);
-  if (const std::string note = Unsteady(speed, job.request().scene); !note.empty()) {
-    Print(stderr, "note: {}\n", note);
-  }
+  PrintDoubts(speed, job.request().scene);
   const Machine machine = DescribeMachine(flags.request.embree_config);
   Baseline now = {.reasons = {},
                   .version = std::string(Version()),
@@ -57,7 +55,8 @@ Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
                               {"processors", std::to_string(machine.processors)},
                               {"threads", std::to_string(speed.first.threads)},
                               {"backend", std::string(ToString(job.options().backend))}},
-                  .seconds = speed.render};
+                  .seconds = speed.render,
+                  .doubts = speed.doubts()};
   for (const RecordedOption& option : RecordedOptions(job.request())) {
     if (!option.is_input && !option.words.empty()) {
       now.options.emplace_back(option.name, option.words.substr(1));
@@ -75,6 +74,20 @@ Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
 std::vector<GateResult> Judge(const Baseline& baseline, const Baseline& now,
                               const BenchFlags& flags, const std::vector<BaselineGate>& gates) {
   return JudgeBaseline(baseline, now, gates, flags.threshold_percent / 100, flags.baseline);
+}
+
+std::string_view VerdictText(const GateResult& result) {
+  switch (result.verdict) {
+    case GateResult::kPassed:
+      return "passed";
+    case GateResult::kFailed:
+      return "FAILED";
+    case GateResult::kSkipped:
+      return "skipped";
+    case GateResult::kUnclear:
+      return "unclear";
+  }
+  return "";
 }
 
 int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
@@ -113,16 +126,18 @@ int GuardScene(const BenchFlags& flags) {
   std::vector<GateResult> results = Judge(baseline, now, flags, flags.gates);
   // A slow minute of the machine is not a regression, and is seldom followed by another.
   for (GateResult& result : results) {
-    if (result.gate != BaselineGate::kTime || result.verdict != GateResult::kFailed) continue;
-    Print(stderr, "note: slower than the baseline; measured once more\n");
+    const bool failed = result.verdict == GateResult::kFailed;
+    if (result.gate != BaselineGate::kTime || !(failed || result.verdict == GateResult::kUnclear)) {
+      continue;
+    }
+    Print(stderr, "note: {}; measured once more\n",
+          failed ? "slower than the baseline" : result.summary);
     const std::vector<BaselineGate> time = {BaselineGate::kTime};
     result = Judge(baseline, MeasureBaseline(job, flags, time), flags, time).front();
   }
   std::string line = "BASELINE";
   for (const GateResult& result : results) {
-    const std::string_view verdict = result.verdict == GateResult::kPassed   ? "passed"
-                                     : result.verdict == GateResult::kFailed ? "FAILED"
-                                                                             : "skipped";
+    const std::string_view verdict = VerdictText(result);
     Print(stdout, "{}: {}: {}\n", ToString(result.gate), verdict, result.summary);
     for (const std::string& what : result.lines) Print(stdout, "  {}\n", what);
     line += fmt::format(" {}={}", ToString(result.gate), verdict);

@@ -10,13 +10,17 @@
 #include "wavefront/worker.h"
 
 namespace skywave {
-namespace {
-
 using nlohmann::ordered_json;
 
-// 0 stands for a figure that was not measured.
 ordered_json Measured(double value) {
   return value > 0 ? ordered_json(value) : ordered_json(nullptr);
+}
+
+namespace {
+
+template <class Value>
+ordered_json OrNull(const std::optional<Value>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
 ordered_json Json(const SuiteSummary& summary) {
@@ -89,6 +93,9 @@ ordered_json Json(const SuiteResult& result) {
 
 ordered_json Json(const Machine& machine) {
   ordered_json json = {{"processor", machine.processor},
+                       {"microcode", machine.microcode},
+                       {"governor", machine.governor},
+                       {"virtual_machine", machine.virtual_machine},
                        {"processors", machine.processors},
                        {"memory_bytes", machine.memory_bytes},
                        {"system", machine.system},
@@ -107,6 +114,16 @@ ordered_json Json(const Speed& speed) {
   json["deviation"] = {{"relative", speed.deviation()},
                        {"limit", Measured(speed.deviation_limit)},
                        {"reached", speed.steady()}};
+  json["conditions"] = {{"waiting", OrNull(speed.conditions.waiting)},
+                        {"stolen", OrNull(speed.conditions.stolen)},
+                        {"throttled", OrNull(speed.conditions.throttled)}};
+  json["hardware"];  // null unless counted
+  if (speed.hardware) {
+    json["hardware"] = {{"instructions", speed.hardware->instructions},
+                        {"cycles", speed.hardware->cycles},
+                        {"instructions_per_cycle", speed.hardware->instructions_per_cycle()},
+                        {"cache_misses", OrNull(speed.hardware->cache_misses)}};
+  }
   json["repetitions"]["render"] = speed.render;
   json["repetitions"]["processor"] = speed.processor;
   for (const auto& stages : speed.stages) {

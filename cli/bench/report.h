@@ -45,8 +45,12 @@ std::string SuiteText(const SuiteReport& report);
 std::string CountersText(const std::vector<SuiteResult>& results);
 // Returns the median of the renders and how they spread.
 std::string RenderText(const Speed& speed);
-// Returns a note if the renders of `scene` still deviate by more than they were to; else nothing.
-std::string Unsteady(const Speed& speed, std::string_view scene);
+// Prints why the times of `scene` are not to be trusted; nothing if they are.
+void PrintDoubts(const Speed& speed, std::string_view scene);
+// Prints what of the machine's settings lets times depend on what ran before.
+void PrintGovernor(const Machine& machine);
+// Returns what the processor counted meanwhile; empty if it was not asked or does not say.
+std::string HardwareText(const Speed& speed);
 // Return each kind of rays in the render and raw, all calls to raw Embree, and the gain by
 // ordering.
 std::string RayText(const Speed& speed);
@@ -55,6 +59,8 @@ std::string ReplayText(const Speed& speed);
 // Returns the width for which lanes are shown on this machine, one of kLaneWidths.
 std::uint32_t ShownLanes(const Machine& machine);
 
+// Returns null for 0, which stands for a figure that was not measured.
+nlohmann::ordered_json Measured(double value);
 nlohmann::ordered_json Json(const Machine& machine);
 nlohmann::ordered_json Json(const Speed& speed);
 nlohmann::ordered_json Json(const SuiteReport& report);

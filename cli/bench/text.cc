@@ -7,6 +7,7 @@
 #include "bench/measure/counters.h"
 #include "bench/measure/statistics.h"
 #include "cli/bench/report.h"
+#include "cli/print.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -51,6 +52,7 @@ void WriteScene(const SuiteResult& result, std::uint32_t lanes, Lines& line) {
   line("  {:.3f} Msamples/s, {:.3f} Mrays/s, {:.2f} rays a path, peak memory {:.0f} MiB",
        result.msamples_per_second(), result.mrays_per_second(),
        double(stats.total_rays()) / samples, result.peak_memory_bytes / (1 << 20));
+  line.Add(HardwareText(speed));
   line.Add(RayText(speed));
   line("  {:<13}{:>8}{:>14}", "stage", "share", "ns a sample");
   for (std::uint32_t i = 0; i < kStages; ++i) {
@@ -138,11 +140,26 @@ std::string RenderText(const Speed& speed) {
                      speed.render.size(), 100 * speed.deviation());
 }
 
-std::string Unsteady(const Speed& speed, std::string_view scene) {
-  if (speed.steady()) return "";
-  return fmt::format(
-      "{}: the times of {} renders deviate by {:.1f} %, more than {:.1f} %; more are not made",
-      scene, speed.render.size(), 100 * speed.deviation(), 100 * speed.deviation_limit);
+void PrintDoubts(const Speed& speed, std::string_view scene) {
+  for (const std::string& doubt : speed.doubts()) Print(stderr, "note: {}: {}\n", scene, doubt);
+}
+
+void PrintGovernor(const Machine& machine) {
+  if (machine.governor.empty() || machine.governor == "performance") return;
+  Print(stderr,
+        "note: the governor of the processors is {}, so times depend on what ran before; "
+        "`cpupower frequency-set -g performance` keeps the clock up\n",
+        machine.governor);
+}
+
+std::string HardwareText(const Speed& speed) {
+  if (!speed.hardware) return "";
+  const HardwareCounts& counts = *speed.hardware;
+  return fmt::format("  {:.2f} instructions a cycle{}\n", counts.instructions_per_cycle(),
+                     counts.cache_misses
+                         ? fmt::format(", {:.2f} cache misses per 1000 of them",
+                                       1000 * *counts.cache_misses / counts.instructions)
+                         : "");
 }
 
 std::string RayText(const Speed& speed) {

@@ -92,6 +92,64 @@ TEST(BenchCompare, PairsCancelWhatBothRunsShare) {
   EXPECT_FALSE(CompareRecords(unpaired).ratios[0].slower(0.05));
 }
 
+// Times that are doubted look slower or faster for other reasons; those of pairs have that in their
+// interval.
+TEST(BenchCompare, DoubtedTimesOfTwoRunsTellNothing) {
+  const Values base = {1.00, 1.02, 0.99, 1.01}, slow = {1.20, 1.22, 1.21, 1.19};
+  const auto judge = [&](const std::vector<BenchRecord>& records) {
+    return Judge(CompareRecords(records), 0.05);
+  };
+  const BenchRecord a = Record("a", {base}), b = Record("b", {slow});
+  EXPECT_EQ(judge({a, b}).verdict, SpeedVerdict::kSlower);
+  EXPECT_EQ(judge({a, b}).names, std::vector<std::string>{"scene 0"});
+  EXPECT_EQ(judge({b, a}).verdict, SpeedVerdict::kFaster);
+  EXPECT_EQ(judge({a, a}).verdict, SpeedVerdict::kPassed);
+  BenchRecord doubted = b;
+  doubted.scenes[0].doubts = {"the machine was busy"};
+  for (const std::vector<BenchRecord>& records :
+       {std::vector{a, doubted}, std::vector{doubted, a}, std::vector{doubted, doubted}}) {
+    EXPECT_EQ(judge(records).verdict, SpeedVerdict::kCannotTell);
+  }
+  EXPECT_EQ(CompareRecords(std::vector{a, doubted}).doubts,
+            std::vector<std::string>{"b: scene 0: the machine was busy"});
+  EXPECT_EQ(judge({a, doubted, a, b}).verdict, SpeedVerdict::kSlower);
+}
+
+// A slow-down by the threshold could hide in such an interval; one by more is seen all the same.
+TEST(BenchCompare, WideIntervalsTellNothingUnlessAllOfThemIsSlower) {
+  const auto judge = [](const Values& a, const Values& b) {
+    return Judge(CompareRecords(std::vector{Record("a", {a}), Record("b", {b})}), 0.05);
+  };
+  const Values wide = {1.0, 1.2, 1.1, 1.05};
+  EXPECT_EQ(judge(wide, wide).verdict, SpeedVerdict::kCannotTell);
+  EXPECT_EQ(judge(wide, wide).names, std::vector<std::string>{"scene 0"});
+  EXPECT_EQ(judge(wide, {2.0, 2.4, 2.2, 2.1}).verdict, SpeedVerdict::kSlower);
+  EXPECT_EQ(judge({2.0, 2.4, 2.2, 2.1}, wide).verdict, SpeedVerdict::kFaster);
+}
+
+TEST(BenchCompare, DoubtsAreReadFromResults) {
+  const auto doubts = [](const Json& measured) {
+    Json json = {{"schema", "skywave-bench-2"},
+                 {"version", "1"},
+                 {"command", "skywave render spheres"},
+                 {"threads", 2},
+                 {"rays", Json::object()},
+                 {"render_seconds", {1.0, 1.1}}};
+    json.update(measured);
+    return RecordOf(json, "a.json").scenes[0].doubts;
+  };
+  EXPECT_TRUE(doubts(Json::object()).empty());
+  const Json calm = {{"waiting", 0.001}, {"stolen", nullptr}, {"throttled", nullptr}};
+  EXPECT_TRUE(doubts({{"conditions", calm}}).empty());
+  const Json busy = {{"waiting", 0.25}, {"stolen", 0.02}, {"throttled", 3}};
+  EXPECT_EQ(doubts({{"conditions", busy}}).size(), 3u);
+  const Json deviation = {{"relative", 0.06}, {"limit", 0.025}, {"reached", false}};
+  EXPECT_EQ(doubts({{"deviation", deviation}}),
+            std::vector<std::string>{"the times of 2 renders deviate by 6.0 %, more than 2.5 %"});
+  const Json unlimited = {{"relative", 0.06}, {"limit", nullptr}, {"reached", true}};
+  EXPECT_TRUE(doubts({{"deviation", unlimited}}).empty());
+}
+
 TEST(BenchCompare, OtherWorkIsRefusedAndOtherMachinesAreReported) {
   const BenchRecord a = Record("a.json", {{1, 1.1}});
   BenchRecord b = a;
@@ -227,6 +285,16 @@ TEST(Copies, ArePinnedProcessesOfTheirOwn) {
     EXPECT_EQ(*results[i].processor, processors[i % processors.size()]);
     EXPECT_NE(results[i].text.find(" 1."), std::string::npos);
   }
+}
+
+TEST(Copies, ThatRotateAreAtDifferentParts) {
+  using Order = std::vector<std::size_t>;
+  EXPECT_EQ(PartsOfCopy(4, 3, false), (Order{0, 1, 2}));
+  EXPECT_EQ(PartsOfCopy(0, 3, true), (Order{0, 1, 2}));
+  EXPECT_EQ(PartsOfCopy(4, 3, true), (Order{1, 2, 0}));
+  const std::vector<CopyResult> results =
+      RunCopies(3, {}, [](CopyBarrier& barrier) { return std::to_string(barrier.copy()); });
+  for (std::size_t i = 0; i < results.size(); ++i) EXPECT_EQ(results[i].text, std::to_string(i));
 }
 
 // One copy is late by 50 ms twice. After Meet, and after Finish, no copy is earlier than that one.
@@ -392,6 +460,22 @@ TEST(BaselineGates, GatesThatCannotCompareAreSkippedWithAReason) {
     EXPECT_EQ(results[i].verdict, GateResult::kSkipped);
     EXPECT_NE(results[i].summary.find(why[i]), std::string::npos) << results[i].summary;
   }
+}
+
+TEST(BaselineGates, TimesThatAreDoubtedOrScatterAreUnclear) {
+  const auto judge = [](const Baseline& now) {
+    return JudgeBaseline(SomeBaseline(), now, {BaselineGate::kTime}, 0.05, "b").front();
+  };
+  Baseline now = SomeBaseline();
+  for (double& seconds : now.seconds) seconds *= 2;
+  EXPECT_EQ(judge(now).verdict, GateResult::kFailed);
+  now.doubts = {"the machine was busy"};
+  EXPECT_EQ(judge(now).verdict, GateResult::kUnclear);
+  EXPECT_EQ(judge(now).summary, "the machine was busy");
+  EXPECT_EQ(ExitCodeOf({judge(now)}), 0);
+  now = SomeBaseline();
+  now.seconds = {0.9, 1.0, 1.2, 1.3};
+  EXPECT_EQ(judge(now).verdict, GateResult::kUnclear);
 }
 
 TEST(BaselineGates, WritingAndReadingAFileKeepsEverything) {

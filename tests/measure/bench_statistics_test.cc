@@ -38,6 +38,24 @@ TEST(BenchStatistics, RelativeDeviationIsThatOfTheSample) {
 
 // Logarithms 0, 2 and 1, 1, 4: means 1 and 2, variances 2 and 3, squared errors 1 and 1; degrees of
 // freedom 4 / (1 / 1 + 1 / 2) = 2.67, rounded down to 2.
+TEST(BenchStatistics, ThreeQuartersAreKeptAndAtLeastThree) {
+  EXPECT_EQ(FastestOf({4, 1, 3, 2, 9, 8, 7, 5}), (Values{1, 2, 3, 4, 5, 7}));
+  EXPECT_EQ(FastestOf({3, 1, 2}), (Values{1, 2, 3}));
+  EXPECT_EQ(FastestOf({2}), Values{2});
+}
+
+// Of 1, e, e^2, e^5 the first three are kept: their mean is e^1, and the variance that of 0, 1, 2,
+// 2, which is 11/12. It counts as 11/12 * 3 / (3 * 2).
+TEST(BenchStatistics, TrimmedRatioMatchesAHandCalculation) {
+  const double e = std::exp(1.0);
+  const std::vector<Values> a = {{1, 1, 1, 1}}, b = {{std::pow(e, 5), 1, e * e, e}};
+  const Ratio ratio = WelchRatio(a, b, 0.75);
+  EXPECT_NEAR(ratio.value, e, 1e-12);
+  const double reach = StudentQuantile(2) * std::sqrt(11 / 24.0);
+  EXPECT_NEAR(ratio.interval.low, std::exp(1 - reach), 1e-9);
+  EXPECT_NEAR(ratio.interval.high, std::exp(1 + reach), 1e-9);
+}
+
 TEST(BenchStatistics, WelchRatioMatchesAHandCalculation) {
   const Values a[] = {{1, std::exp(2.0)}}, b[] = {{std::exp(1.0), std::exp(1.0), std::exp(4.0)}};
   const Ratio ratio = WelchRatio(a, b);
