@@ -51,6 +51,7 @@ class task_arena {
 
 namespace this_task_arena {
 inline int current_thread_index() { return place.number; }
+inline int max_concurrency() { return place.threads; }
 template <class F>
 auto isolate(const F& work) -> decltype(work()) {
   return work();
