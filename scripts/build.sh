@@ -11,7 +11,12 @@ needs=test
 [[ $preset != program ]] || needs=
 scripts/setup.sh $needs
 cmake --preset "$preset" "${@:2}" >/dev/null
-cmake --build --preset "$preset" -j"${JOBS:-$(nproc)}" -- --quiet
+echo "building $preset with ${JOBS:-$(nproc)} jobs in $PWD/build" >&2
+# Someone who looks on sees how far it is; a log has only what went wrong.
+quiet=--quiet
+[[ ! -t 1 ]] || quiet=
+NINJA_STATUS="[%f/%t, %es] " \
+  cmake --build --preset "$preset" -j"${JOBS:-$(nproc)}" -- $quiet
 # Editors and clang-tidy look for the file here.
 case $preset in
   program | release) ln -sf build/release/compile_commands.json compile_commands.json ;;

@@ -6,9 +6,9 @@ cd "$(dirname "$0")/.."
 scripts/build.sh
 mkdir -p renders
 if [[ $# -eq 0 ]]; then
-  # Merging finds the sun's caustics, which would be bright dots by path tracing.
-  build/release/skywave render gallery --integrator vcm --guide --photons 1000000 \
-    --photon-distance 0.05 --spp 32 --tone filmic -o renders/gallery.exr
+  # Paths find the sun's caustics too seldom: the limit removes the bright dots that they would be.
+  build/release/skywave render gallery --spp 128 --clamp-indirect 8 --denoise --tone filmic \
+    -o renders/gallery.exr
 else
   build/release/skywave render "$@"
 fi

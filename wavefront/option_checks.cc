@@ -44,14 +44,16 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
   }
 }
 
-// Light paths leave lights by power, and the weights of what surfaces find suppose that they pick
-// lights so, too.
+// Light paths start at lights that are picked by power, and their weights suppose that the other
+// techniques pick lights by power, too.
 void CheckSelection(const RenderOptions& options, const IntegratorDescriptor& integrator) {
   if (!integrator.has_light_paths() || options.light_selection == LightSelection::kPower) return;
-  throw OptionError("light-selection", std::string(ToString(options.light_selection)),
-                    fmt::format("is for integrators whose paths all begin at the camera, as path "
-                                "and direct; those of `integrator {}` also leave lights, by power",
-                                ToString(options.integrator)));
+  throw OptionError(
+      "light-selection", std::string(ToString(options.light_selection)),
+      fmt::format("is for integrators whose paths all start at the camera, as path and "
+                  "direct; paths of `integrator {}` also start at lights, which they "
+                  "pick by power",
+                  ToString(options.integrator)));
 }
 
 // Refuses layers that only other integrators keep.

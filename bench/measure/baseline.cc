@@ -121,6 +121,12 @@ GateResult JudgeTime(const Baseline& baseline, const Baseline& now, double thres
     result.summary = "one render gives no interval; repeat it";
     return result;
   }
+  if (!baseline.doubts.empty()) {
+    result.verdict = GateResult::kSkipped;
+    result.summary = fmt::format("the baseline's times are doubtful: {}; take it again",
+                                 fmt::join(baseline.doubts, "; "));
+    return result;
+  }
   if (!now.doubts.empty()) {
     result.verdict = GateResult::kUnclear;
     result.summary = fmt::format("{}", fmt::join(now.doubts, "; "));
@@ -154,6 +160,7 @@ nlohmann::ordered_json Json(const Baseline& baseline) {
   json["instructions"] = Members(baseline.instructions);
   json["machine"] = Members(baseline.machine);
   json["render_seconds"] = baseline.seconds;
+  json["doubts"] = baseline.doubts;
   return json;
 }
 
@@ -177,6 +184,11 @@ Baseline BaselineOf(const nlohmann::json& json, const std::string& file) {
   if (!seconds.items().empty()) baseline.seconds = seconds.positive_numbers();
   for (const JsonInput& reason : root.at("reasons").items()) {
     baseline.reasons.push_back(reason.text());
+  }
+  if (root.has("doubts")) {  // older files have none
+    for (const JsonInput& doubt : root.at("doubts").items()) {
+      baseline.doubts.push_back(doubt.text());
+    }
   }
   for (const auto& [stage, count] : root.at("instructions").members()) {
     baseline.instructions.emplace_back(stage, count.whole_number(1, JsonInput::kMostWhole));

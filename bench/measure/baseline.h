@@ -37,7 +37,7 @@ struct Baseline {
   std::string not_counted = {};          // why; not in files
   NamedTexts machine = {};               // what `seconds` belong to
   std::vector<double> seconds = {};      // [s] every render; empty: not measured
-  std::vector<std::string> doubts = {};  // why they are not to be trusted; not in files
+  std::vector<std::string> doubts = {};  // why they are not to be trusted
 };
 
 nlohmann::ordered_json Json(const Baseline& baseline);

@@ -1,10 +1,12 @@
 #include "bench/measure/conditions.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 namespace skywave {
 namespace {
@@ -47,8 +49,12 @@ void ReadProcessors(const std::string& root, ConditionCounts& counts) {
   counts.stolen = ticks.back();
 }
 
+std::vector<std::filesystem::path> Processors(const std::string& root) {
+  return Folders(root + "/sys/devices/system/cpu");
+}
+
 void ReadHeat(const std::string& root, ConditionCounts& counts) {
-  for (const std::filesystem::path& processor : Folders(root + "/sys/devices/system/cpu")) {
+  for (const std::filesystem::path& processor : Processors(root)) {
     std::ifstream file(processor / "thermal_throttle/core_throttle_count");
     std::uint64_t count = 0;
     if (file >> count) counts.throttled = counts.throttled.value_or(0) + count;
@@ -76,6 +82,16 @@ ConditionCounts ReadConditions(const std::string& root) {
   ReadProcessors(root, counts);
   ReadHeat(root, counts);
   return counts;
+}
+
+std::string ReadGovernors(const std::string& root) {
+  std::set<std::string> found;
+  for (const std::filesystem::path& processor : Processors(root)) {
+    std::ifstream file(processor / "cpufreq/scaling_governor");
+    std::string governor;
+    if (file >> governor) found.insert(governor);
+  }
+  return fmt::format("{}", fmt::join(found, ","));
 }
 
 void ConditionsWatch::End() {

@@ -22,6 +22,10 @@ struct ConditionCounts {
 // files that are not there or have another form.
 ConditionCounts ReadConditions(const std::string& root = "/");
 
+// Returns what the processors are governed by, "schedutil" say, each once; empty if nothing is
+// known.
+std::string ReadGovernors(const std::string& root = "/");
+
 // Times are not to be trusted beyond these: other programs had processors for so much of the time
 // that threads would have run; other virtual machines for so much of the time of all processors.
 inline constexpr double kMostWaiting = 0.02, kMostStolen = 0.01;

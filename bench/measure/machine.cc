@@ -2,16 +2,15 @@
 
 #include <OpenEXRConfig.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
 #include <xxhash.h>
 
 #include <filesystem>
 #include <fstream>
-#include <set>
 
 #include "base/granted.h"
+#include "bench/measure/conditions.h"
 #include "bench/measure/revision.h"
 #include "kernels/targets.h"
 #include "scene/embree.h"
@@ -37,17 +36,6 @@ std::string FirstLine(const std::filesystem::path& path) {
   std::string line;
   std::getline(file, line);
   return line;
-}
-
-std::string Governors() {
-  std::set<std::string> found;
-  std::error_code error;
-  for (std::filesystem::directory_iterator at("/sys/devices/system/cpu", error), end;
-       !error && at != end; at.increment(error)) {
-    const std::string governor = FirstLine(at->path() / "cpufreq/scaling_governor");
-    if (!governor.empty()) found.insert(governor);
-  }
-  return fmt::format("{}", fmt::join(found, ","));
 }
 
 std::string VirtualMachine() {
@@ -82,7 +70,7 @@ Machine DescribeMachine(const std::string& embree_config) {
   const std::string processor = OfProcessor("model name");
   return {.processor = processor.empty() ? "unknown" : processor,
           .microcode = OfProcessor("microcode"),
-          .governor = Governors(),
+          .governor = ReadGovernors(),
           .virtual_machine = VirtualMachine(),
           .processors = GrantedHere().threads,
           .memory_bytes = double(GrantedHere().memory_bytes),

@@ -103,6 +103,9 @@ int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
   if (!baseline.not_counted.empty()) {
     Print(stderr, "note: no instructions: {}\n", baseline.not_counted);
   }
+  for (const std::string& doubt : baseline.doubts) {
+    Print(stderr, "warning: {}: its times will not be compared: {}\n", flags.baseline, doubt);
+  }
   baseline.reasons = std::move(reasons);
   baseline.reasons.push_back(reason);
   WriteFileAtomically(flags.baseline, JsonText(baseline) + "\n");

@@ -49,6 +49,15 @@ TEST_F(MadeUpConditions, AreReadFromTheFilesOfTheKernel) {
   EXPECT_EQ(counts.throttled, 7u);
 }
 
+TEST_F(MadeUpConditions, GovernorsAreNamedOnce) {
+  EXPECT_EQ(ReadGovernors(folder_.Path("")), "");
+  for (const char* const processor : {"cpu0", "cpu1", "cpu2"}) {
+    Write(std::string("sys/devices/system/cpu/") + processor + "/cpufreq/scaling_governor",
+          processor == std::string("cpu1") ? "schedutil\n" : "performance\n");
+  }
+  EXPECT_EQ(ReadGovernors(folder_.Path("")), "performance,schedutil");
+}
+
 TEST_F(MadeUpConditions, WhatIsNotThereIsUnknown) {
   Write("proc/stat", "cpu  100 0 50\n");
   Write("proc/self/task/7/schedstat", "none\n");
