@@ -62,17 +62,19 @@ void SyncToDisk(const std::string& path) {
 }
 
 constexpr std::string_view kTemporaryEnding = ".part";
-// File systems take names of 255 bytes. This leaves room for the number of a process and the
+// File systems take names of 255 bytes. The stem leaves room for the number of a process and the
 // ending.
-constexpr std::size_t kLongestStem = 230, kHashDigits = 16;
+constexpr std::size_t kLongestName = 255, kLongestStem = 230, kHashDigits = 16;
 
-// Returns what temporary names of the file `name` begin with: the name, or if it is too long for
-// that its start and a hash of it.
-std::string TemporaryStem(const std::string& name) {
-  if (name.size() <= kLongestStem) return name;
-  return fmt::format("{}{:0{}x}", name.substr(0, kLongestStem - kHashDigits),
+// Returns `name`, or its start and a hash of it where it has more than `most` bytes.
+std::string Shortened(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  return fmt::format("{}{:0{}x}", name.substr(0, most - kHashDigits),
                      XXH3_64bits(name.data(), name.size()), kHashDigits);
 }
+
+// Returns what temporary names of the file `name` begin with.
+std::string TemporaryStem(const std::string& name) { return Shortened(name, kLongestStem); }
 
 std::string TemporaryName(const std::string& target) {
   const std::filesystem::path path = target;
@@ -293,6 +295,12 @@ void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
 
 void WriteFileAtomically(const std::string& path, std::string_view bytes) {
   WriteFileInPieces(path, [&](const PieceWriter& out) { out(bytes); });
+}
+
+std::string NameBeside(const std::string& path, std::string_view ending) {
+  std::filesystem::path beside = path;
+  const std::string stem = Shortened(beside.stem().string(), kLongestName - ending.size());
+  return beside.replace_filename(stem + std::string(ending)).string();
 }
 
 void SyncFolderOf(const std::string& path) {

@@ -43,6 +43,10 @@ void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
                         const std::function<std::string(const PieceWriter& out)>& write,
                         const std::function<void()>& before_rename = {});
 
+// Returns the name of a file beside `path`: the same with `ending` (".checkpoint") in place of its
+// own. Where that is more than file systems take, a hash stands for its end.
+std::string NameBeside(const std::string& path, std::string_view ending);
+
 // Flushes the folder of `path` to disk, so that the name of a file that has just been written
 // survives a loss of power. A folder that cannot be flushed is left as it is.
 void SyncFolderOf(const std::string& path);

@@ -69,11 +69,11 @@ std::vector<OptionOf<RenderFlags>> OutputOptions() {
 
 std::string CheckpointPath(const RenderFlags& flags) {
   const std::string& beside = flags.output.empty() ? flags.film : flags.output;
-  return std::filesystem::path(beside).replace_extension(".checkpoint").string();
+  return CheckpointBeside(beside);
 }
 
 std::string SnapshotPath(const RenderFlags& flags) {
-  return std::filesystem::path(flags.output).replace_extension(".snapshot.exr").string();
+  return NameBeside(flags.output, ".snapshot.exr");
 }
 
 // Returns the names of all files that are written.
@@ -92,7 +92,8 @@ void CheckOutputs(const RenderFlags& flags) {
     throw InputError(
         InputPosition::File("--output " + flags.output),
         flags.picture.job.options.aovs == 0
-            ? "the picture is an EXR file with a PNG beside it, so its name has to end in .exr"
+            ? "the picture is an EXR file with a PNG beside it, so its name has to end in .exr; to "
+              "pass it on, let it be that of a pipe (mkfifo)"
             : "the layers of --aovs need an EXR file, whose name ends in .exr",
         kExitUsage);
   }

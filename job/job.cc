@@ -211,7 +211,7 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
       scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
   map_hash_ = light->hash;
   times_.tables = Time([&] {
-    BuildStrategies(parts, *light);
+    BuildStrategies(parts, light);
     PlaceProjection(parts, *light);
   });
   // Light of a map comes into a closed room through edges alone. Openings that are given let it in,
@@ -300,13 +300,14 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
     world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
 
-void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
+void RenderJob::BuildStrategies(const JobParts& parts,
+                                const std::shared_ptr<const LoadedLight>& light) {
   map_ = parts.Place(request_, light);
   const auto make = [&](const std::string& specification, std::uint32_t light_samples) {
     StrategyUse use = UseOf(options(), light_samples);
     // Nothing else sees the light of a map whose shadows have links.
     use.mis = use.mis && (links_.view.of_environment & links_.view.of_shadows) == 0;
-    auto tables = parts.Tables(request_, specification, use, light, map_);
+    auto tables = parts.Tables(request_, specification, use, *light, map_);
     CheckStrategy(*tables->strategy, specification, has_environment(), options());
     const std::string note = tables->strategy->note();
     if (!note.empty()) notes_.push_back(fmt::format("{}: {}", specification, note));
@@ -317,7 +318,7 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
     continuation_strategy_ = make(request_.continuation_strategy, 1);
   }
   if (options().of<ControlOptions>().control != ControlVariate::kNone && has_environment()) {
-    irradiance_ = parts.Irradiance(request_, light, *map_);
+    irradiance_ = parts.Irradiance(request_, *light, *map_);
     control_ = {.irradiance = irradiance_->table.view()};
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);

@@ -81,7 +81,7 @@ class RenderJob {
   void PlanComposites(const Scene& scene);
   void PlaceCamera(const Scene& scene, const Bounds& bounds);
   void PlaceLights(const JobParts& parts, const LoadedLight& light);
-  void BuildStrategies(const JobParts& parts, const LoadedLight& light);
+  void BuildStrategies(const JobParts& parts, const std::shared_ptr<const LoadedLight>& light);
   void PlaceProjection(const JobParts& parts, const LoadedLight& light);
   bool has_environment() const;
   bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;

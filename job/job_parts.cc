@@ -165,7 +165,7 @@ SharedScene::~SharedScene() { cache_->Forget(key_); }
 
 std::size_t LoadedScene::bytes() const { return BytesOf(scene); }
 std::size_t LoadedLight::bytes() const { return BytesOf(light.map->rgb); }
-std::size_t PlacedMap::bytes() const { return BytesOf(map.latlong.rgb); }
+std::size_t PlacedMap::bytes() const { return BytesOf(map.latlong->rgb); }
 
 template <class T, class Make>
 std::shared_ptr<const T> JobParts::Get(const std::string& key, const Make& make) const {
@@ -238,25 +238,19 @@ std::string JobParts::GeometryKey(const JobRequest& request, int threads) const 
 }
 
 std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, int threads) const {
-  const auto last =
-      Get<LastBuilt>(fmt::format("{} triangles{} {}", scene_key_,
-                                 WordsOf(request, Tables::kTriangles | Tables::kBvh), threads),
-                     [] { return std::make_shared<LastBuilt>(); });
+  // Scenes that differ in materials alone may share a BVH.
+  const auto last = Get<LastMade<BuiltGeometry>>(
+      fmt::format("{} triangles{} {}", scene_key_,
+                  WordsOf(request, Tables::kTriangles | Tables::kBvh), threads),
+      [] { return std::make_shared<LastMade<BuiltGeometry>>(); });
   const auto geometry = Get<BuiltGeometry>(GeometryKey(request, threads), [&] {
-    std::shared_ptr<const BuiltGeometry> twin;
-    {
-      const std::lock_guard lock(last->mutex);
-      twin = last->geometry.lock();
-    }
+    const std::shared_ptr<const BuiltGeometry> twin = last->get();
     const std::shared_ptr<const BuiltGeometry> built(new BuiltGeometry{
         Geometry(*prepared_->scene, request.scene, threads, request.embree_config,
                  NeedsUvs(request.options.aovs),
                  twin ? std::shared_ptr<const Geometry>(twin, &twin->geometry) : nullptr)});
     // One that shares would keep the whole row of those before it.
-    if (built->geometry.bvh_bytes() > 0) {
-      const std::lock_guard lock(last->mutex);
-      last->geometry = built;
-    }
+    if (built->geometry.bvh_bytes() > 0) last->Set(built);
     return built;
   });
   if (shared_ != nullptr) {
@@ -307,12 +301,13 @@ std::string JobParts::PlacedKey(const JobRequest& request, const LoadedLight& li
                      portals ? " portals of " + prepared_key_ : "");
 }
 
-std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
-                                                 const LoadedLight& light) const {
-  return Get<PlacedMap>(PlacedKey(request, light), [&] {
+std::shared_ptr<const PlacedMap> JobParts::Place(
+    const JobRequest& request, const std::shared_ptr<const LoadedLight>& light) const {
+  return Get<PlacedMap>(PlacedKey(request, *light), [&] {
+    const std::shared_ptr<const Image> image(light, &*light->light.map);
     return std::make_shared<PlacedMap>(
-        PlacedMap{{.latlong = *light.light.map,
-                   .map_from_world = Rows(WorldFromMap(request, light)),
+        PlacedMap{{.latlong = SharedImage(image),
+                   .map_from_world = Rows(WorldFromMap(request, *light)),
                    .portals = prepared_->scene->portals}});
   });
 }
@@ -320,12 +315,20 @@ std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
 std::shared_ptr<const StrategyTables> JobParts::Tables(
     const JobRequest& request, const std::string& specification, const StrategyUse& use,
     const LoadedLight& light, const std::shared_ptr<const PlacedMap>& map) const {
-  std::string key = fmt::format("{} strategy {} {} {} {}", PlacedKey(request, light), specification,
-                                use.mis, use.light_samples, use.starts_light_paths);
+  std::string key = fmt::format(" strategy {} {} {} {}", specification, use.mis, use.light_samples,
+                                use.starts_light_paths);
   for (const std::string& file : FilesOfStrategy(specification)) key += " " + Stamp(file);
-  return Get<StrategyTables>(key, [&] {
-    return std::make_shared<StrategyTables>(
-        StrategyTables{map, MakeStrategy(specification, map->map, use)});
+  // Orientations of a map share tables that do not depend on them.
+  const auto last = Get<LastMade<StrategyTables>>(
+      MapKey(request) + key, [] { return std::make_shared<LastMade<StrategyTables>>(); });
+  return Get<StrategyTables>(PlacedKey(request, light) + key, [&] {
+    const std::shared_ptr<const StrategyTables> twin = last->get();
+    std::unique_ptr<const EnvStrategy> strategy = twin ? twin->strategy->Turned(map->map) : nullptr;
+    if (!strategy) strategy = MakeStrategy(specification, map->map, use);
+    const auto tables =
+        std::make_shared<const StrategyTables>(StrategyTables{map, std::move(strategy)});
+    last->Set(tables);
+    return tables;
   });
 }
 

@@ -55,14 +55,6 @@ struct BuiltGeometry {
   std::size_t bytes() const { return geometry.bytes() + geometry.bvh_bytes(); }
 };
 
-// The geometry that was built last of some triangles, as long as somebody has it: others that
-// differ in materials may share its BVH.
-struct LastBuilt {
-  mutable std::mutex mutex;
-  mutable std::weak_ptr<const BuiltGeometry> geometry;
-  std::size_t bytes() const { return sizeof(*this); }
-};
-
 // The light from infinitely far away, as a map in memory.
 struct LoadedLight {
   EnvironmentLight light;  // with a map
@@ -73,7 +65,8 @@ struct LoadedLight {
   std::size_t bytes() const;
 };
 
-// A map as it lies in the world.
+// A map as it lies in the world. It counts as having the image by itself, which all orientations
+// share, because it may be the last that has it; so do tables of strategies.
 struct PlacedMap {
   EnvironmentMap map;
   std::size_t bytes() const;
@@ -84,6 +77,22 @@ struct StrategyTables {
   std::shared_ptr<const PlacedMap> map;
   std::unique_ptr<const EnvStrategy> strategy;
   std::size_t bytes() const { return strategy->table_bytes(); }
+};
+
+// What was made last of something, as long as somebody has it: what is made next may share it.
+template <class Made>
+struct LastMade {
+  mutable std::mutex mutex;
+  mutable std::weak_ptr<const Made> made;  // of `mutex`
+  std::shared_ptr<const Made> get() const {
+    const std::lock_guard lock(mutex);
+    return made.lock();
+  }
+  void Set(const std::shared_ptr<const Made>& now) const {
+    const std::lock_guard lock(mutex);
+    made = now;
+  }
+  std::size_t bytes() const { return sizeof(*this); }
 };
 
 // The irradiance of a map on surfaces from which nothing hides it.
@@ -149,7 +158,8 @@ class JobParts {
   std::shared_ptr<const BuiltLightTree> TreeOfLamps(const JobRequest& request,
                                                     const LoadedLight& light,
                                                     const LocalLights& lamps) const;
-  std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
+  std::shared_ptr<const PlacedMap> Place(const JobRequest& request,
+                                         const std::shared_ptr<const LoadedLight>& light) const;
   std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
                                                const std::string& specification,
                                                const StrategyUse& use, const LoadedLight& light,

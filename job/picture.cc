@@ -448,4 +448,8 @@ std::string PngBeside(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
+std::string CheckpointBeside(const std::string& output) {
+  return NameBeside(output, ".checkpoint");
+}
+
 }  // namespace skywave

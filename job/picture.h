@@ -146,5 +146,7 @@ std::string EncodePng(const Picture& picture);
 
 // Returns the name of the PNG beside an EXR.
 std::string PngBeside(const std::string& exr);
+// The same of the checkpoint of a picture or film.
+std::string CheckpointBeside(const std::string& output);
 
 }  // namespace skywave

@@ -136,9 +136,9 @@ DomeView MakeDome(const DomeRequest& request, const PreparedScene& prepared,
   center[axis] = prepared.whole_bounds.low[axis] + request.height;
   DomeView dome = {.map = {.texels = nullptr,
                            .radiance_unit = 1,
-                           .rgb = map.latlong.rgb.data(),
-                           .width = std::uint32_t(map.latlong.width),
-                           .height = std::uint32_t(map.latlong.height),
+                           .rgb = map.latlong->rgb.data(),
+                           .width = std::uint32_t(map.latlong->width),
+                           .height = std::uint32_t(map.latlong->height),
                            .lines = 0,
                            .map_from_world = {},
                            .row_area = nullptr},
@@ -176,9 +176,9 @@ PhotographView ViewPhotograph(const Image& photograph, const Camera& camera) {
 
 double ShareBeyondWhite(const EnvironmentMap& map, const DomeView& dome) {
   const glm::dvec3 up = Vector(dome.up);
-  std::vector<std::array<double, 3>> rows(std::size_t(map.latlong.height));
+  std::vector<std::array<double, 3>> rows(std::size_t(map.latlong->height));
   ForEachTexel(map, up, [&](int column, int row, double cosine, double solid_angle) {
-    const float* const radiance = map.latlong.Pixel(column, row);
+    const float* const radiance = map.latlong->Pixel(column, row);
     for (std::size_t c = 0; c < 3 && cosine > 0; ++c) {
       rows[std::size_t(row)][c] += double(radiance[c]) * cosine * solid_angle;
     }
@@ -189,7 +189,7 @@ double ShareBeyondWhite(const EnvironmentMap& map, const DomeView& dome) {
   }
   std::vector<double> beyond(rows.size());
   ForEachTexel(map, up, [&](int column, int row, double cosine, double solid_angle) {
-    const float* const radiance = map.latlong.Pixel(column, row);
+    const float* const radiance = map.latlong->Pixel(column, row);
     const bool is_beyond = double(radiance[0]) > white[0] || double(radiance[1]) > white[1] ||
                            double(radiance[2]) > white[2];
     if (cosine < 0 && is_beyond) beyond[std::size_t(row)] += solid_angle;

@@ -174,8 +174,4 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   throw AtOption(plan_.path, picture.options, error);
 }
 
-std::string CheckpointBeside(const std::string& exr) {
-  return std::filesystem::path(exr).replace_extension(".checkpoint").string();
-}
-
 }  // namespace skywave

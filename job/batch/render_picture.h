@@ -70,7 +70,4 @@ class PictureRenderer {
   std::set<std::string> inputs_;  // of the pictures so far, which none may overwrite
 };
 
-// Returns the name of the checkpoint of a picture.
-std::string CheckpointBeside(const std::string& exr);
-
 }  // namespace skywave

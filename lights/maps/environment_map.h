@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "image/image.h"
@@ -23,8 +25,21 @@ enum class Projection {
   kOctahedral,
 };
 
+// An image that nobody changes any more, which all orientations of a map have together.
+class SharedImage {
+ public:
+  SharedImage() : SharedImage(Image()) {}
+  SharedImage(Image image) : image_(std::make_shared<const Image>(std::move(image))) {}
+  explicit SharedImage(std::shared_ptr<const Image> image) : image_(std::move(image)) {}
+  operator const Image&() const { return *image_; }
+  const Image* operator->() const { return image_.get(); }
+
+ private:
+  std::shared_ptr<const Image> image_;  // not null
+};
+
 struct EnvironmentMap {
-  Image latlong;                        // conventions: kernels/lights/environment.h
+  SharedImage latlong;                  // conventions: kernels/lights/environment.h
   std::array<float, 9> map_from_world;  // rows: right, forward, up; orthonormal, may mirror
   std::vector<Portal> portals = {};     // openings through which its light comes in
 };

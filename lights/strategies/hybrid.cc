@@ -138,7 +138,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   note_ = NoteOfLights(lights);
   lights_.emplace(lights.lights, map.map_from_world);
 
-  const int width = map.latlong.width, height = map.latlong.height;
+  const int width = map.latlong->width, height = map.latlong->height;
   if (options.rest == HybridRest::kLights) {
     texels_.emplace(map, options.inside ? a : Image(width, height));
   } else {

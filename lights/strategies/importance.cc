@@ -27,7 +27,7 @@ namespace {
 
 // Returns grey texels of the luminance that makes them as important.
 Image Weights(const EnvironmentMap& map, const std::vector<double>& importance) {
-  Image weights(map.latlong.width, map.latlong.height);
+  Image weights(map.latlong->width, map.latlong->height);
   for (int y = 0; y < weights.height; ++y) {
     const double solid_angle = RowSolidAngle(weights.width, weights.height, y);
     for (int x = 0; x < weights.width; ++x) {
@@ -40,27 +40,40 @@ Image Weights(const EnvironmentMap& map, const std::vector<double>& importance) 
 
 }  // namespace
 
+ImportanceStrategy::Tables::Tables(const EnvironmentMap& map, double compensate)
+    : texels(map), compensated(compensate), inversion(texels, BaseLuminance(texels, compensated)) {}
+
+ImportanceStrategy::Tables::Tables(const EnvironmentMap& map, const std::vector<double>& importance)
+    : texels(map),
+      weights(std::in_place, map, Weights(map, importance)),
+      compensated(0),
+      inversion(*weights, 0) {}
+
 ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, double compensate)
-    : texels_(map),
-      compensated_(compensate),
-      table_(texels_, BaseLuminance(texels_, compensated_)) {}
+    : tables_(std::make_shared<const Tables>(map, compensate), map) {}
 
 ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map,
                                        const std::vector<double>& importance)
-    : texels_(map),
-      weights_(std::in_place, map, Weights(map, importance)),
-      compensated_(0),
-      table_(*weights_, 0) {}
+    : tables_(std::make_shared<const Tables>(map, importance), map) {}
+
+std::size_t ImportanceStrategy::table_bytes() const {
+  return tables_->texels.bytes() + (tables_->weights ? tables_->weights->bytes() : 0) +
+         tables_->inversion.bytes();
+}
+
+std::unique_ptr<EnvStrategy> ImportanceStrategy::Turned(const EnvironmentMap& map) const {
+  return std::unique_ptr<EnvStrategy>(new ImportanceStrategy(tables_.Turned(map)));
+}
 
 void ImportanceStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                                 LightCall call, const LightColumns& out) const {
-  SampleTexels(texels_.view(), table_.view(), uniforms, n, call.samples(), out);
+  SampleTexels(tables_.texels(), tables_->inversion.view(), uniforms, n, call.samples(), out);
 }
 
 void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                          const EscapeColumns& rows) const {
-  const InversionView inversion = table_.view();
-  skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, samples, rows);
+  const InversionView inversion = tables_->inversion.view();
+  skywave::EvaluateEscaped(tables_.texels(), {.inversion = &inversion}, n, samples, rows);
 }
 
 std::string DefaultCompensation(const StrategyUse& use) {

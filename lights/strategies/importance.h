@@ -21,6 +21,7 @@
 
 #include "lights/strategies/strategy.h"
 #include "lights/tables/inversion_table.h"
+#include "lights/tables/oriented_tables.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {
@@ -33,20 +34,26 @@ class ImportanceStrategy final : public EnvStrategy {
   ImportanceStrategy(const EnvironmentMap& map, const std::vector<double>& importance);
 
   std::string_view name() const override { return "importance"; }
-  std::size_t table_bytes() const override {
-    return texels_.bytes() + (weights_ ? weights_->bytes() : 0) + table_.bytes();
-  }
-  bool complete() const override { return compensated_ == 0; }
+  std::size_t table_bytes() const override;
+  std::unique_ptr<EnvStrategy> Turned(const EnvironmentMap& map) const override;
+  bool complete() const override { return tables_->compensated == 0; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
-  Texels texels_;
-  std::optional<Texels> weights_;  // what is drawn by in place of texels_
-  double compensated_;             // share of the mean
-  InversionTable table_;
+  struct Tables {
+    Tables(const EnvironmentMap& map, double compensate);
+    Tables(const EnvironmentMap& map, const std::vector<double>& importance);
+    Texels texels;
+    std::optional<Texels> weights;  // what is drawn by in place of `texels`
+    double compensated;             // share of the mean
+    InversionTable inversion;       // points at them
+  };
+  explicit ImportanceStrategy(OrientedTables<Tables> tables) : tables_(std::move(tables)) {}
+
+  OrientedTables<Tables> tables_;
 };
 
 // Returns the default of the parameter `compensate`.

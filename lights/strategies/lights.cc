@@ -19,7 +19,7 @@ LightsStrategy::LightsStrategy(std::string_view name, const EnvironmentMap& map,
                                const LightSet& lights, bool all)
     : name_(name),
       note_(NoteOfLights(lights)),
-      texels_(map, Image(map.latlong.width, map.latlong.height)),
+      texels_(map, Image(map.latlong->width, map.latlong->height)),
       lights_(lights.lights, map.map_from_world),
       all_(all) {}
 

@@ -68,6 +68,10 @@ class EnvStrategy {
   // Describes to the user what the strategy has chosen by itself; empty: nothing.
   virtual std::string note() const { return {}; }
 
+  // Returns the same strategy for the same map in another orientation, with the tables of this one;
+  // null: they depend on the orientation.
+  virtual std::unique_ptr<EnvStrategy> Turned(const EnvironmentMap&) const { return nullptr; }
+
   // Returns the samples that a surface takes where the user asks for `requested` of them.
   virtual LightPlan Plan(std::uint32_t requested) const { return {.drawn = requested}; }
 

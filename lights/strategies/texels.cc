@@ -34,9 +34,9 @@ std::uint16_t Share(double first, double second) {
 
 }  // namespace
 
-WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
-  const std::uint32_t width = texels_.width(), height = texels_.height();
-  const std::vector<double> importance = TexelImportance(texels_);
+WarpStrategy::Tables::Tables(const EnvironmentMap& map) : texels(map) {
+  const std::uint32_t width = texels.width(), height = texels.height();
+  const std::vector<double> importance = TexelImportance(texels);
   std::vector<Sums> pyramid = {{std::bit_ceil(width), std::bit_ceil(height), {}}};
   pyramid[0].value.resize(std::size_t(pyramid[0].width) * pyramid[0].height);
   for (std::uint32_t y = 0; y < height; ++y) {
@@ -60,13 +60,13 @@ WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
   }
   const auto levels = std::uint32_t(pyramid.size() - 1);
   assert(levels <= kMaxWarpLevels);
-  view_.levels = levels;
+  warp.levels = levels;
   // The way down makes the records of each level, and the probability that they give every region.
   std::vector<double> probability = {1.0};
   for (std::uint32_t l = 0; l < levels; ++l) {
     const Sums &coarse = pyramid[levels - l], &fine = pyramid[levels - l - 1];
     const bool split_x = fine.width > coarse.width, split_y = fine.height > coarse.height;
-    std::vector<WarpRecord> records(coarse.value.size());
+    std::vector<WarpRecord> level(coarse.value.size());
     std::vector<double> next(fine.value.size());
     for (std::uint32_t y = 0; y < coarse.height; ++y) {
       for (std::uint32_t x = 0; x < coarse.width; ++x) {
@@ -77,7 +77,7 @@ WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
             child[b][r] = fine.At(fx + r, fy + b);
           }
         }
-        WarpRecord& record = records[std::size_t(y) * coarse.width + x];
+        WarpRecord& record = level[std::size_t(y) * coarse.width + x];
         record = {Share(child[0][0] + child[0][1], child[1][0] + child[1][1]),
                   Share(child[0][0], child[0][1]), Share(child[1][0], child[1][1]), 0};
         const double top = double(record.top) / kWarpOne;
@@ -93,53 +93,63 @@ WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
         }
       }
     }
-    records_.push_back(std::move(records));
-    view_.level[l] = {records_.back().data(), coarse.width, split_x, split_y};
+    records.push_back(std::move(level));
+    warp.level[l] = {records.back().data(), coarse.width, split_x, split_y};
     probability = std::move(next);
   }
-  density_.resize(std::size_t(width) * height);
+  density.resize(std::size_t(width) * height);
   for (std::uint32_t y = 0; y < height; ++y) {
     const double solid_angle = RowSolidAngle(int(width), int(height), int(y));
     for (std::uint32_t x = 0; x < width; ++x) {
-      density_[std::size_t(y) * width + x] =
+      density[std::size_t(y) * width + x] =
           float(probability[std::size_t(y) * pyramid[0].width + x] / solid_angle);
     }
   }
 }
 
 std::size_t WarpStrategy::table_bytes() const {
-  std::size_t bytes = texels_.bytes() + density_.size() * sizeof(float);
-  for (const auto& level : records_) bytes += level.size() * sizeof(WarpRecord);
+  std::size_t bytes = tables_->texels.bytes() + tables_->density.size() * sizeof(float);
+  for (const auto& level : tables_->records) bytes += level.size() * sizeof(WarpRecord);
   return bytes;
+}
+
+std::unique_ptr<EnvStrategy> WarpStrategy::Turned(const EnvironmentMap& map) const {
+  return std::unique_ptr<EnvStrategy>(new WarpStrategy(tables_.Turned(map)));
 }
 
 void WarpStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                           LightCall call, const LightColumns& out) const {
-  SampleTexelsByWarp(texels_.view(), view_, density_.data(), uniforms, n, call.samples(), out);
+  SampleTexelsByWarp(tables_.texels(), tables_->warp, tables_->density.data(), uniforms, n,
+                     call.samples(), out);
 }
 
 void WarpStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                    const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, samples, rows);
+  skywave::EvaluateEscaped(tables_.texels(), {.table = tables_->density.data()}, n, samples, rows);
 }
 
-CellStrategy::CellStrategy(std::string_view name, const EnvironmentMap& map,
-                           const CellMap& cell_of_texel, std::uint32_t cells)
-    : name_(name),
-      texels_(map),
-      sampler_(map.latlong.width, map.latlong.height, TexelImportance(texels_), cell_of_texel,
-               cells) {}
+CellStrategy::Tables::Tables(const EnvironmentMap& map, const CellMap& cell_of_texel,
+                             std::uint32_t cells)
+    : texels(map),
+      sampler(map.latlong->width, map.latlong->height, TexelImportance(texels), cell_of_texel,
+              cells) {}
+
+std::unique_ptr<EnvStrategy> CellStrategy::Turned(const EnvironmentMap& map) const {
+  return std::unique_ptr<EnvStrategy>(new CellStrategy(name_, tables_.Turned(map)));
+}
 
 void CellStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                           LightCall call, const LightColumns& out) const {
-  const SearchTreeView tree = sampler_.tree();
-  SampleCells(texels_.view(), sampler_.view(), sampler_.cells() > 1 ? &tree : nullptr, uniforms, n,
+  const CellSampler& sampler = tables_->sampler;
+  const SearchTreeView tree = sampler.tree();
+  SampleCells(tables_.texels(), sampler.view(), sampler.cells() > 1 ? &tree : nullptr, uniforms, n,
               call.samples(), out);
 }
 
 void CellStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                    const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), {.table = sampler_.density().data()}, n, samples, rows);
+  skywave::EvaluateEscaped(tables_.texels(), {.table = tables_->sampler.density().data()}, n,
+                           samples, rows);
 }
 
 StrategyFactory WarpFactory() {
@@ -154,7 +164,7 @@ StrategyFactory WarpFactory() {
 namespace {
 
 std::unique_ptr<EnvStrategy> MakeAlias(const EnvironmentMap& map, const StrategyValues&) {
-  return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong.rgb.size() / 3, 0), 1);
+  return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong->rgb.size() / 3, 0), 1);
 }
 
 // Throws if there is light outside of the cells of a file, where no sample would find it.

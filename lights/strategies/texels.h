@@ -14,43 +14,63 @@
 
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cell_sampler.h"
+#include "lights/tables/oriented_tables.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {
 
 class WarpStrategy final : public EnvStrategy {
  public:
-  explicit WarpStrategy(const EnvironmentMap& map);
+  explicit WarpStrategy(const EnvironmentMap& map)
+      : tables_(std::make_shared<const Tables>(map), map) {}
   std::string_view name() const override { return "warp"; }
   std::size_t table_bytes() const override;
+  std::unique_ptr<EnvStrategy> Turned(const EnvironmentMap& map) const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
-  Texels texels_;
-  std::vector<std::vector<WarpRecord>> records_;  // coarsest level first
-  WarpView view_;
-  std::vector<float> density_;  // of each texel [1/sr]
+  struct Tables {
+    explicit Tables(const EnvironmentMap& map);
+    Texels texels;
+    std::vector<std::vector<WarpRecord>> records;  // coarsest level first
+    WarpView warp;
+    std::vector<float> density;  // of each texel [1/sr]
+  };
+  explicit WarpStrategy(OrientedTables<Tables> tables) : tables_(std::move(tables)) {}
+
+  OrientedTables<Tables> tables_;
 };
 
 // alias, and presampled with mode=jittered.
 class CellStrategy final : public EnvStrategy {
  public:
   CellStrategy(std::string_view name, const EnvironmentMap& map, const CellMap& cell_of_texel,
-               std::uint32_t cells);
+               std::uint32_t cells)
+      : name_(name), tables_(std::make_shared<const Tables>(map, cell_of_texel, cells), map) {}
   std::string_view name() const override { return name_; }
-  std::size_t table_bytes() const override { return texels_.bytes() + sampler_.bytes(); }
+  std::size_t table_bytes() const override {
+    return tables_->texels.bytes() + tables_->sampler.bytes();
+  }
+  std::unique_ptr<EnvStrategy> Turned(const EnvironmentMap& map) const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
+  struct Tables {
+    Tables(const EnvironmentMap& map, const CellMap& cell_of_texel, std::uint32_t cells);
+    Texels texels;
+    CellSampler sampler;
+  };
+  CellStrategy(std::string_view name, OrientedTables<Tables> tables)
+      : name_(name), tables_(std::move(tables)) {}
+
   std::string_view name_;
-  Texels texels_;
-  CellSampler sampler_;
+  OrientedTables<Tables> tables_;
 };
 
 }  // namespace skywave

@@ -68,11 +68,11 @@ RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
 }  // namespace
 
 Texels::Texels(const EnvironmentMap& map, const Image& light)
-    : width_(std::uint32_t(map.latlong.width)),
-      height_(std::uint32_t(map.latlong.height)),
+    : width_(std::uint32_t(map.latlong->width)),
+      height_(std::uint32_t(map.latlong->height)),
       lines_per_row_((width_ + kLineTexels - 1) / kLineTexels),
       map_from_world_(map.map_from_world),
-      rgb_(map.latlong.rgb.data()),
+      image_(map.latlong),
       row_area_(height_) {
   ResizeLarge(lines_, std::size_t(lines_per_row_) * height_);
   for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
@@ -141,16 +141,16 @@ Image Texels::Held() const {
   return held;
 }
 
-EnvironmentView Texels::view() const {
+EnvironmentView Texels::view(const std::array<float, 9>& map_from_world) const {
   EnvironmentView view = {.texels = lines_.data(),
                           .radiance_unit = unit_,
-                          .rgb = rgb_,
+                          .rgb = image_->rgb.data(),
                           .width = width_,
                           .height = height_,
                           .lines = lines_per_row_,
                           .map_from_world = {},
                           .row_area = row_area_.data()};
-  std::copy(map_from_world_.begin(), map_from_world_.end(), view.map_from_world);
+  std::copy(map_from_world.begin(), map_from_world.end(), view.map_from_world);
   return view;
 }
 

@@ -11,7 +11,7 @@
 
 namespace skywave {
 
-// The map must outlive this, because its pixels are what is seen. Packing rounds each channel down
+// It keeps the map's image, because its pixels are what is seen. Packing rounds each channel down
 // to 9 bits of the brightest channel of its texel (exact for Radiance files) and hands the loss on
 // to the next texel, so the light of a map is kept. Texels dimmer than 2^-40 of the brightest
 // become black as lights.
@@ -32,7 +32,9 @@ class Texels {
   std::uint32_t height() const { return height_; }
   float unit() const { return unit_; }
   std::size_t bytes() const { return lines_.size() * sizeof(TexelLine); }
-  EnvironmentView view() const;
+  EnvironmentView view() const { return view(map_from_world_); }
+  // The same for another orientation of the map: nothing else depends on it.
+  EnvironmentView view(const std::array<float, 9>& map_from_world) const;
 
   // Lines lie row after row; an inversion writes their densities and shares, once.
   std::uint32_t lines_per_row() const { return lines_per_row_; }
@@ -51,7 +53,7 @@ class Texels {
   float unit_;
   std::array<float, 9> map_from_world_;
   std::vector<TexelLine> lines_;
-  const float* rgb_;  // pixels of the map
+  SharedImage image_;  // of the map
   std::vector<RowArea> row_area_;
 };
 

@@ -179,6 +179,18 @@ TEST(Leftovers, OfOtherTargetsAndOtherNamesStay) {
 }
 
 // A file may have any name that the file system takes.
+TEST(LongNames, FilesBesideThemHaveTheirStart) {
+  EXPECT_EQ(NameBeside("a/b.c/d.e.exr", ".checkpoint"), "a/b.c/d.e.checkpoint");
+  EXPECT_EQ(NameBeside("d", ".checkpoint"), "d.checkpoint");
+  const std::string longest(244, 'a');
+  EXPECT_EQ(NameBeside("a/" + longest + ".exr", ".checkpoint"), "a/" + longest + ".checkpoint");
+  const std::string one = NameBeside("a/" + longest + "b.exr", ".checkpoint");
+  EXPECT_EQ(one.size(), 2 + 255u);
+  EXPECT_EQ(one.find("a/" + longest.substr(0, 200)), 0u);
+  EXPECT_TRUE(one.ends_with(".checkpoint"));
+  EXPECT_NE(one, NameBeside("a/" + longest + "c.exr", ".checkpoint"));
+}
+
 TEST(LongNames, AreWrittenAndCleanedUpAsOthers) {
   const TemporaryFolder folder;
   const std::string stem(250, 'a');

@@ -55,6 +55,20 @@ TEST_F(Batch, PicturesEqualSingleRendersAndNoOtherFileIsMade) {
   EXPECT_EQ(summary["pictures"][2]["output"], "spheres_03.exr");
 }
 
+TEST_F(Batch, NamesMayHaveAsManyBytesAsFileSystemsTake) {
+  const std::string longest = std::string(251, 'n') + ".exr";
+  const std::string base = "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 1\n";
+  Put("job.toml", base + "[output]\npath = \"out/" + longest + "\"\n");
+  const Result result = Run("batch job.toml");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(FilesIn("out"),
+            (Names{"job.batch.html", "job.batch.json", longest, std::string(251, 'n') + ".png"}));
+  Put("job.toml", base + "[output]\npath = \"out/n" + longest + "\"\n");
+  const Result longer = Run("batch job.toml");
+  EXPECT_NE(longer.exit_code, 0);
+  EXPECT_TRUE(Contains(longer.err, "File name too long")) << longer.err;
+}
+
 TEST_F(Batch, ASecondRunSkipsFinishedPicturesAndKeepsTheirTimes) {
   Put("job.toml", kJob);
   EXPECT_EQ(Run("batch job.toml -q").exit_code, 0);

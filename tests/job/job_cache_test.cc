@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "job/job.h"
 #include "job/options.h"
 #include "job/picture.h"
@@ -402,6 +403,32 @@ TEST_F(SharedParts, AreMadeAnewWhenTheLightsOfAFileHaveChanged) {
   EXPECT_EQ(strategy(), before);
   folder_.Write("set.json", R"({"samples": [{"uv": [0.5, 0.5]}]})");
   EXPECT_NE(strategy(), before);
+}
+
+// The file of the cells is broken meanwhile, which only making tables anew would notice.
+TEST_F(SharedParts, OrientationsOfAMapShareItsImageAndTables) {
+  JobCache cache(std::uint64_t{1} << 40);
+  const std::string cells =
+      folder_.Write("set.json", R"({"samples": [{"uv": [0.25, 0.5]}, {"uv": [0.75, 0.5]}]})");
+  const auto job = [&](double degrees, const std::string& strategy) {
+    JobRequest request;
+    request.scene = folder_.Path("one.pbrt");
+    request.width = 8, request.height = 6;
+    request.environment.path = folder_.Path("sky.pfm");
+    request.environment.rotation_degrees = degrees;
+    request.strategy = strategy;
+    return RenderJob(request, &cache);
+  };
+  const std::string shared = "presampled:file=" + cells;
+  const RenderJob first = job(0, shared);
+  const auto time = std::filesystem::last_write_time(cells);
+  folder_.Write("set.json", std::string(std::filesystem::file_size(cells), '?'));
+  std::filesystem::last_write_time(cells, time);
+  const RenderJob turned = job(30, shared);
+  EXPECT_NE(&first.strategy(), &turned.strategy());
+  EXPECT_EQ(first.frame().map->latlong.operator->(), turned.frame().map->latlong.operator->());
+  EXPECT_NE(first.frame().map->map_from_world, turned.frame().map->map_from_world);
+  EXPECT_THROW(job(30, shared + ",mode=fixed"), InputError);
 }
 
 TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {

@@ -192,16 +192,16 @@ TEST_P(StrategyOnMap, RandomSamplesAmongLightsAreWhatEvaluationSees) {
       if (!(pdf > 0) || std::isinf(pdf)) continue;
       double u, v;
       MapPosition(map_.map_from_world, directions[i], u, v);
-      const int row = std::min(int(v * map_.latlong.height), map_.latlong.height - 1);
+      const int row = std::min(int(v * map_.latlong->height), map_.latlong->height - 1);
       // Cells that are picked by differences of sums have the rounding of these.
       const double of_sums =
           subject_.for_reflection
-              ? kRequested * 0x1p-25 / RowSolidAngle(map_.latlong.width, map_.latlong.height, row)
+              ? kRequested * 0x1p-25 / RowSolidAngle(map_.latlong->width, map_.latlong->height, row)
               : 0;
       const double precision = std::max(1e-5f, subject_.precision);
       if (std::fabs(pdf - seen->light_pdf[i]) <= precision * pdf + of_sums) continue;
       ++exceptions;
-      ASSERT_LT(BorderDistance(map_.latlong.width, map_.latlong.height, u, v), kRounding)
+      ASSERT_LT(BorderDistance(map_.latlong->width, map_.latlong->height, u, v), kRounding)
           << "sample " << index << ", row " << i << ": drawn with " << pdf << ", seen with "
           << seen->light_pdf[i];
     }
@@ -260,6 +260,44 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
   EXPECT_LE(exceptions, kSamples / 500);
 }
 
+// Where the tables do not depend on how the map lies, they serve a map that lies otherwise, and
+// outlive the strategy that they were made for.
+TEST_P(StrategyOnMap, IsTheSameWithTablesOfAnotherOrientation) {
+  const std::size_t other = (std::get<2>(GetParam()) + 1) % Orientations().size();
+  std::unique_ptr<EnvStrategy> turned;
+  {
+    const EnvironmentMap map = MapFor(subject_, map_.latlong, Orientations()[other]);
+    turned = Make(subject_, map)->Turned(map_);
+  }
+  if (!turned) GTEST_SKIP();
+  EXPECT_EQ(turned->name(), strategy_->name());
+  EXPECT_EQ(turned->table_bytes(), strategy_->table_bytes());
+  EXPECT_EQ(turned->complete(), strategy_->complete());
+  constexpr std::uint32_t kRows = 1000;
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  soa::Table<LightColumns> drawn[2] = {soa::Table<LightColumns>(kRows),
+                                       soa::Table<LightColumns>(kRows)};
+  const EnvStrategy* const strategies[] = {strategy_.get(), turned.get()};
+  for (int i = 0; i < 2; ++i) {
+    strategies[i]->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 5), kRows, {},
+                          drawn[i]);
+  }
+  std::vector<Vec> directions;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    directions.push_back(Get(i, drawn[0]->dir_x, drawn[0]->dir_y, drawn[0]->dir_z));
+    ASSERT_EQ(drawn[0]->dir_x[i], drawn[1]->dir_x[i]) << i;
+    ASSERT_EQ(drawn[0]->dir_y[i], drawn[1]->dir_y[i]) << i;
+    ASSERT_EQ(drawn[0]->pdf[i], drawn[1]->pdf[i]) << i;
+    ASSERT_EQ(drawn[0]->g[i], drawn[1]->g[i]) << i;
+  }
+  const auto seen = Evaluate(*strategy_, surfaces, directions);
+  const auto seen_by_turned = Evaluate(*turned, surfaces, directions);
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    ASSERT_EQ(seen->light_pdf[i], seen_by_turned->light_pdf[i]) << i;
+    ASSERT_EQ(seen->radiance_r[i], seen_by_turned->radiance_r[i]) << i;
+  }
+}
+
 // All samples of the plan together, each divided by its density (directional lights by 1), must
 // give the light of the map, and for unbiased strategies also the light of any part of it.
 TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
@@ -286,8 +324,8 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
     exact[0] += light * share(cells.directions()[i]);
     exact[1] += light * response(cells.directions()[i]);
     const float* original =
-        map_.latlong.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
-                           std::clamp(int(v * image.height), 0, image.height - 1));
+        map_.latlong->Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
+                            std::clamp(int(v * image.height), 0, image.height - 1));
     whole += Weighted(original[0], original[1], original[2]) * cells.solid_angle(i) *
              share(cells.directions()[i]);
   }

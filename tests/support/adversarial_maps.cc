@@ -99,7 +99,7 @@ std::span<const NamedOrientation> Orientations() {
 }
 
 Image HeldMap(const EnvironmentMap& map) {
-  Image held(map.latlong.width, map.latlong.height);
+  Image held(map.latlong->width, map.latlong->height);
   const auto n = std::uint32_t(held.width * held.height);
   soa::Table<EscapeColumns> rows(n);
   for (std::uint32_t i = 0; i < n; ++i) {

@@ -14,9 +14,9 @@ namespace skywave {
 class MapCells {
  public:
   explicit MapCells(const EnvironmentMap& map, int across = 256) : map_(map) {
-    const int finer = std::max((across - 1 + map.latlong.width) / map.latlong.width,
-                               (across / 2 - 1 + map.latlong.height) / map.latlong.height);
-    width_ = map.latlong.width * finer, height_ = map.latlong.height * finer;
+    const int finer = std::max((across - 1 + map.latlong->width) / map.latlong->width,
+                               (across / 2 - 1 + map.latlong->height) / map.latlong->height);
+    width_ = map.latlong->width * finer, height_ = map.latlong->height * finer;
     directions_.reserve(std::size_t(width_) * std::size_t(height_));
     solid_angles_.reserve(std::size_t(height_));
     // A direction is the sum of its parts along the axes of the map.

@@ -120,14 +120,13 @@ constexpr int kLeastColumns = 256;
 // Returns the same map in more texels.
 EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
   const Image& from = map.latlong;
-  EnvironmentMap finer = {.latlong = Image(from.width * factor, from.height * factor),
-                          .map_from_world = map.map_from_world};
-  for (int y = 0; y < finer.latlong.height; ++y) {
-    for (int x = 0; x < finer.latlong.width; ++x) {
-      std::copy_n(from.Pixel(x / factor, y / factor), 3, finer.latlong.Pixel(x, y));
+  Image finer(from.width * factor, from.height * factor);
+  for (int y = 0; y < finer.height; ++y) {
+    for (int x = 0; x < finer.width; ++x) {
+      std::copy_n(from.Pixel(x / factor, y / factor), 3, finer.Pixel(x, y));
     }
   }
-  return finer;
+  return {.latlong = std::move(finer), .map_from_world = map.map_from_world};
 }
 
 // Every texel has the cell of its centre, and how often light samples are in it.
@@ -209,7 +208,7 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
 EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, PilotCounts& counts) {
   const auto start = Clock::now();
   const EnvStrategy& strategy = *frame.emitter;
-  const int factor = (kLeastColumns + frame.map->latlong.width - 1) / frame.map->latlong.width;
+  const int factor = (kLeastColumns + frame.map->latlong->width - 1) / frame.map->latlong->width;
   std::unique_ptr<EnvironmentMap> finer;
   if (factor > 1) finer = std::make_unique<EnvironmentMap>(Finer(*frame.map, factor));
   const EnvironmentMap& map = finer ? *finer : *frame.map;

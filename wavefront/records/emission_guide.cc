@@ -161,7 +161,7 @@ std::vector<std::size_t> SortByCell(std::vector<GuideSample>& samples) {
 std::size_t EmissionGuide::bytes() const {
   return cuts.size() * sizeof(float) + cells.size() * sizeof(GuideCell) +
          (directions ? directions->table_bytes() : 0) +
-         (map ? map->latlong.rgb.size() * sizeof(float) : 0);
+         (map ? map->latlong->rgb.size() * sizeof(float) : 0);
 }
 
 EmissionGuideView EmissionGuide::view() const {
