@@ -13,11 +13,13 @@ import json
 from . import _convert, _core
 from ._camera import Camera
 from ._errors import Canceled, Error, FileError, keywords
+from ._packages import from_cadquery, from_open3d, from_pyvista, from_trimesh
 from ._picture import Picture, encode_png, read_image, write_png
 from ._scene import Scene
 
 __all__ = ["Camera", "Canceled", "Error", "FileError", "Picture", "Scene", "compare", "converge",
-           "encode_png", "probe", "read_image", "render", "version", "write_png"]
+           "encode_png", "from_cadquery", "from_open3d", "from_pyvista", "from_trimesh", "probe",
+           "read_image", "render", "version", "write_png"]
 
 
 def version():

@@ -110,6 +110,24 @@ class Picture:
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def _repr_png_(self) -> bytes: ...
 
+def from_trimesh(source: Any, *, up: Literal["x", "y", "z"] = "y") -> Scene: ...
+def from_open3d(source: Any, *, up: Literal["x", "y", "z"] = "y") -> Scene: ...
+def from_pyvista(
+    source: Any,
+    *,
+    scalars: str | None = None,
+    cmap: str = "viridis",
+    clim: tuple[float, float] | None = None,
+    color: ArrayLike | None = None,
+    up: Literal["x", "y", "z"] = "z",
+) -> Scene: ...
+def from_cadquery(
+    source: Any,
+    *,
+    tolerance: float = 0.1,
+    angle: float = 0.1,
+    up: Literal["x", "y", "z"] = "z",
+) -> Scene: ...
 def version() -> str: ...
 def render(
     scene: _Path | Scene,

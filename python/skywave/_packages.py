@@ -1,0 +1,346 @@
+"""Scenes from the meshes of other packages, which are recognised by what they offer: none of them is
+imported before a caller has brought one of its objects."""
+import numpy
+
+from . import _convert
+from ._camera import Camera
+from ._errors import bad_argument
+from ._scene import Scene
+
+# Cameras of OpenGL look along -z and have y up, those of Camera along z with y down.
+FLIP = numpy.diag([1.0, -1.0, -1.0, 1.0])
+
+
+# The colour of what has none in trimesh.
+_TRIMESH_GREY = (102, 102, 102, 255)
+
+
+def linear(srgb):
+    """Returns linear radiance of values of sRGB in [0, 1] (IEC 61966-2-1)."""
+    srgb = numpy.asarray(srgb, float)
+    return numpy.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def _fractions(values):
+    """Returns numbers in [0, 1]: integers count by their largest value."""
+    values = numpy.asarray(values)
+    if numpy.issubdtype(values.dtype, numpy.integer):
+        return values / numpy.iinfo(values.dtype).max
+    return values.astype(float)
+
+
+def _corners(vertices, faces, *by_vertex):
+    """Returns what belongs to each corner, (3 m, ...), and faces of corners."""
+    flat = numpy.asarray(faces).reshape(-1)
+    taken = [None if values is None else numpy.asarray(values)[flat] for values in
+             (vertices, *by_vertex)]
+    return taken, numpy.arange(len(flat)).reshape(-1, 3)
+
+
+def flipped(uvs):
+    """Returns coordinates whose (0, 0) is at the bottom left from ones of the top left, and back."""
+    return None if uvs is None else numpy.asarray(uvs, float) * [1, -1] + [0, 1]
+
+
+class Materials:
+    """Adds each material of a package once to a scene."""
+
+    def __init__(self, scene):
+        self.scene, self.known = scene, {}
+
+    def of(self, material, make):
+        """Returns the number of what `make` adds for an object of the package."""
+        if id(material) not in self.known:
+            self.known[id(material)] = make(), material  # which must live as long as its id counts
+        return self.known[id(material)][0]
+
+    def texture(self, image, srgb):
+        """Returns the number of a texture of a PIL image or array, or None; and of its alpha."""
+        if image is None:
+            return None, None
+        if hasattr(image, "convert"):  # of PIL: palettes and two channels become three or four
+            image = image.convert("RGBA" if "A" in image.getbands() or
+                                  "transparency" in image.info else "RGB")
+        pixels = _fractions(image)
+        if pixels.ndim == 2:
+            pixels = numpy.repeat(pixels[..., None], 3, axis=2)
+        color = linear(pixels[..., :3]) if srgb else pixels[..., :3]
+        alpha = pixels[..., 3] if pixels.shape[2] == 4 else None
+        opaque = alpha is None or (alpha == 1).all()
+        return (self.scene.add_texture(color, "color"),
+                None if opaque else self.scene.add_texture(alpha, "opacity"))
+
+
+def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, roughness=1.0,
+                        color_image=None, roughness_image=None, normal_image=None,
+                        emission=(0, 0, 0), emission_image=None, alpha_mode="OPAQUE", cutoff=0.5):
+    """Adds a material of glTF 2.0, section 3.9; `color` and `emission` are linear."""
+    scene = materials.scene
+    color = numpy.asarray(color, float)
+    texture, opacity_texture = materials.texture(color_image, srgb=True)
+    parameters = {
+        "reflectance": numpy.clip(color[:3], 0, 1),
+        "metallic": metallic,
+        "alpha": max(float(roughness) ** 2, 1e-3),
+        "color_texture": texture,
+        "roughness_texture": materials.texture(roughness_image, srgb=False)[0],
+    }
+    if normal_image is not None:
+        parameters["normal_texture"] = scene.add_texture(_fractions(normal_image)[..., :3],
+                                                         "normals")
+    if numpy.any(emission):
+        parameters["emission"] = emission
+        parameters["emission_texture"] = materials.texture(emission_image, srgb=True)[0]
+    if alpha_mode != "OPAQUE":
+        parameters["opacity"] = float(color[3]) if len(color) > 3 else 1
+        parameters["opacity_texture"] = opacity_texture
+        if alpha_mode == "MASK":
+            parameters["opacity_cutoff"] = cutoff
+    return scene.add_material("metallic-roughness", name=name, **parameters)
+
+
+def _add(scene, materials, mesh, name, number):
+    """Adds a trimesh.Trimesh to the object `number` of a scene."""
+    vertices, faces = mesh.vertices, mesh.faces
+    normals = mesh.vertex_normals if "vertex_normals" in mesh._cache.cache else None
+    uvs, colors, opacity = None, None, 1.0
+    visual, material = mesh.visual, 0
+    kind = getattr(visual, "kind", None)
+    if kind == "texture":
+        uvs = flipped(visual.uv) if visual.uv is not None else None
+        material = materials.of(visual.material, lambda: _trimesh_material(materials, visual))
+    elif kind in ("vertex", "face"):
+        rgba = _fractions(visual.vertex_colors if kind == "vertex" else visual.face_colors)
+        if kind == "face":
+            (vertices, normals), faces = _corners(vertices, faces, normals)
+            rgba = numpy.repeat(rgba, 3, axis=0)
+        colors = linear(rgba[:, :3])
+        opacity = float(rgba[:, 3].mean())
+    if material == 0:
+        material = scene.add_material("metallic-roughness", reflectance=1 if colors is not None
+                                      else 0.5, alpha=1, metallic=0, opacity=opacity, name=name)
+    scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, material=material,
+                   name=name, object=number)
+
+
+def _trimesh_material(materials, visual):
+    material = visual.material
+    if not hasattr(material, "metallicFactor"):
+        material = material.to_pbr()
+    color = material.baseColorFactor
+    # A simple material that has an image and says no colour gets this grey, which is no factor.
+    if material.baseColorTexture is not None and color is not None and (
+            tuple(color) == _TRIMESH_GREY):
+        color = None
+    given = {
+        "name": material.name or "",
+        "color": None if color is None else _fractions(color),
+        "metallic": material.metallicFactor,
+        "roughness": material.roughnessFactor,
+        "color_image": material.baseColorTexture,
+        "roughness_image": material.metallicRoughnessTexture,
+        "normal_image": material.normalTexture,
+        "emission": material.emissiveFactor,
+        "emission_image": material.emissiveTexture,
+        "alpha_mode": material.alphaMode,
+        "cutoff": material.alphaCutoff,
+    }
+    return metallic_roughness(materials, **{k: v for k, v in given.items() if v is not None})
+
+
+def add_light(scene, light, pose):
+    """Adds a light of trimesh or pyrender at a pose (4, 4), whose -z it looks along."""
+    color = _fractions(light.color)[:3] * light.intensity
+    kind = type(light).__name__
+    if kind == "DirectionalLight":
+        scene.add_distant_light(pose[:3, 2], color)
+    elif kind == "SpotLight":
+        inner, outer = numpy.degrees([light.innerConeAngle, light.outerConeAngle])
+        scene.add_spot_light(pose[:3, 3], -pose[:3, 2], color, inner, outer)
+    else:
+        scene.add_point_light(pose[:3, 3], color)
+
+
+def from_trimesh(source, *, up="y"):
+    """Returns a Scene of a trimesh.Trimesh or trimesh.Scene.
+
+    Transforms (what is seen several times is shared), PBR and simple materials with their textures,
+    colours of vertices and faces, the normals that a file had, the camera and the lights are taken.
+    `up` is the axis that is up: "z" for most STL files. Point clouds and paths raise Error.
+    """
+    scene = Scene().set_up(up)
+    materials = Materials(scene)
+    if not hasattr(source, "graph"):
+        _require_faces(source)
+        _add(scene, materials, source, "mesh", None)
+        return scene
+    places = {}
+    for node in source.graph.nodes_geometry:
+        pose, name = source.graph[node]
+        places.setdefault(name, []).append(pose)
+    for name, poses in places.items():
+        _require_faces(source.geometry[name])
+        number = scene.add_object(name)
+        _add(scene, materials, source.geometry[name], name, number)
+        scene.add_instances(number, numpy.stack(poses))
+    if source.has_camera:
+        camera = source.camera
+        # Its places count from the corners of pixels.
+        scene.set_camera(Camera(camera.K - [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]],
+                                source.camera_transform @ FLIP,
+                                [int(side) for side in camera.resolution]))
+    for light in getattr(source, "_lights", None) or []:
+        add_light(scene, light, source.graph[light.name][0])
+    return scene
+
+
+def _require_faces(mesh):
+    if not (hasattr(mesh, "faces") and hasattr(mesh, "visual")):
+        raise bad_argument("source", f"{type(mesh).__name__} has no triangles")
+
+
+def from_open3d(source, *, up="y"):
+    """Returns a Scene of an open3d.geometry.TriangleMesh, a list of them or a TriangleMeshModel.
+
+    Normals and colours of vertices, coordinates and textures of triangles, and the materials of a
+    model (open3d.io.read_triangle_model) are taken.
+    """
+    scene = Scene().set_up(up)
+    materials = Materials(scene)
+    if hasattr(source, "meshes") and hasattr(source, "materials"):
+        for part in source.meshes:
+            record = source.materials[part.material_idx]
+            _add_open3d(scene, materials, part.mesh, part.mesh_name, record)
+        return scene
+    for number, mesh in enumerate(source if isinstance(source, (list, tuple)) else [source]):
+        if not hasattr(mesh, "triangles"):
+            raise bad_argument("source", f"{type(mesh).__name__} has no triangles")
+        _add_open3d(scene, materials, mesh, f"mesh {number}", None)
+    return scene
+
+
+def _add_open3d(scene, materials, mesh, name, record):
+    faces = numpy.asarray(mesh.triangles)
+    normals = numpy.asarray(mesh.vertex_normals) if mesh.has_vertex_normals() else None
+    colors = linear(mesh.vertex_colors) if mesh.has_vertex_colors() else None
+    vertices, uvs = numpy.asarray(mesh.vertices), None
+    if mesh.has_triangle_uvs():
+        (vertices, normals, colors), faces = _corners(vertices, faces, normals, colors)
+        uvs = numpy.asarray(mesh.triangle_uvs)  # the rows of its textures begin at the bottom
+    if record is not None:
+        uvs = flipped(uvs)  # those of a model begin at the top
+        color_image, roughness_image, normal_image = (
+            None if image is None else numpy.asarray(image)
+            for image in (record.albedo_img, record.ao_rough_metal_img, record.normal_img))
+        material = metallic_roughness(
+            materials, name=name, color=record.base_color[:3], metallic=record.base_metallic,
+            roughness=record.base_roughness, color_image=color_image,
+            roughness_image=roughness_image, normal_image=normal_image)
+        scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, material=material,
+                       name=name)
+        return
+    textures = mesh.textures if mesh.has_textures() else []
+    of_face = (numpy.asarray(mesh.triangle_material_ids) if mesh.has_triangle_material_ids()
+               else numpy.zeros(len(faces), int))
+    plain = scene.add_material("lambert", reflectance=0.5 if colors is None else 1, name=name)
+    for number in numpy.unique(of_face):
+        material = plain
+        if uvs is not None and number < len(textures):
+            texture, _ = materials.texture(numpy.asarray(textures[number]), srgb=True)
+            if texture is not None:
+                material = scene.add_material("lambert", reflectance=1, color_texture=texture,
+                                              name=name)
+        scene.add_mesh(vertices, faces[of_face == number], normals=normals, uvs=uvs, colors=colors,
+                       material=material, name=name)
+
+
+def from_pyvista(source, *, scalars=None, cmap="viridis", clim=None, color=None, up="z"):
+    """Returns a Scene of a data set of PyVista, or a MultiBlock, by its surface.
+
+    The data array `scalars` of points or cells, or else the active one, gives colours by the map
+    `cmap` between the two values of `clim`; arrays of three or four columns are colours. Without
+    data, or with `color` (three numbers of sRGB in [0, 1]), the surface has one colour.
+    """
+    scene = Scene().set_up(up)
+    blocks = [source] if not hasattr(source, "n_blocks") else [
+        block for block in source if block is not None]
+    for number, block in enumerate(blocks):
+        surface = _surface(block)
+        faces = numpy.asarray(surface.faces).reshape(-1, 4)[:, 1:]
+        vertices, colors = numpy.asarray(surface.points), None
+        array = None if color is not None else _scalars(surface, scalars)
+        if array is not None:
+            of_cells = len(array) != len(vertices)
+            colors = linear(_mapped(array, cmap, clim))
+            if of_cells:
+                (vertices,), faces = _corners(vertices, faces)
+                colors = numpy.repeat(colors, 3, axis=0)
+        normals = surface.point_data.get("Normals")
+        if normals is not None and len(normals) != len(vertices):
+            normals = None
+        reflectance = 1 if colors is not None else linear(0.8 if color is None else color)
+        material = scene.add_material("lambert", reflectance=reflectance)
+        scene.add_mesh(vertices, faces, normals=normals, colors=colors, material=material,
+                       name=f"block {number}")
+    return scene
+
+
+def _surface(block):
+    """Returns the triangles of a data set's surface."""
+    try:
+        return block.extract_surface(algorithm=None).triangulate()
+    except TypeError:  # before PyVista 0.47
+        return block.extract_surface().triangulate()
+
+
+def _scalars(surface, name):
+    if name is not None:
+        if name in surface.point_data or name in surface.cell_data:
+            return numpy.asarray(surface[name])
+        raise bad_argument("scalars", f"the data set has no array '{name}'")
+    active = surface.active_scalars
+    return None if active is None or active.ndim == 2 and active.shape[1] not in (3, 4) else (
+        numpy.asarray(active))
+
+
+def _mapped(array, cmap, clim):
+    if array.ndim == 2:
+        return _fractions(array)[:, :3]
+    import pyvista  # whose object it is, so it is there
+
+    low, high = (numpy.nanmin(array), numpy.nanmax(array)) if clim is None else clim
+    table = pyvista.LookupTable(cmap, scalar_range=(low, high if high > low else low + 1))
+    return _fractions(table(numpy.asarray(array, float)))[:, :3]
+
+
+def from_cadquery(source, *, tolerance=0.1, angle=0.1, up="z"):
+    """Returns a Scene of a shape, a Workplane or an Assembly of CadQuery, or a shape of build123d.
+
+    Curved faces become triangles that are within `tolerance` (in units of the model) and `angle`
+    [rad] of them. The colours of an assembly are taken.
+    """
+    scene = Scene().set_up(up)
+    for name, shape, color in _shapes(source):
+        if not hasattr(shape, "tessellate"):
+            raise bad_argument("source", f"{type(shape).__name__} cannot be made of triangles")
+        vertices, faces = shape.tessellate(tolerance, angle)
+        rgba = (0.5, 0.5, 0.5, 1) if color is None else color
+        material = scene.add_material("lambert", reflectance=linear(rgba[:3]), opacity=rgba[3],
+                                      name=name)
+        scene.add_mesh([(v.x, v.y, v.z) if hasattr(v, "x") else (v.X, v.Y, v.Z) for v in vertices],
+                       faces, material=material, name=name)
+    return scene
+
+
+def _shapes(source):
+    """Yields (name, shape, colour or None) of what CadQuery and build123d have."""
+    if hasattr(source, "toCompound") and hasattr(source, "objects"):  # an assembly
+        for shape, name, place, color in source:
+            yield name, shape.moved(place), None if color is None else color.toTuple()
+    elif hasattr(source, "vals"):  # a workplane
+        for number, shape in enumerate(source.vals()):
+            yield f"shape {number}", shape, None
+    else:
+        color = getattr(source, "color", None)
+        yield getattr(source, "label", "") or "shape", source, None if color is None else tuple(
+            color)
