@@ -213,6 +213,7 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   times_.tables = Time([&] {
     BuildStrategies(parts, light);
     PlaceProjection(parts, *light);
+    PlaceMotion(parts);
   });
   // Light of a map comes into a closed room through edges alone. Openings that are given let it in,
   // and so does what light passes through.
@@ -341,6 +342,44 @@ void RenderJob::PlaceProjection(const JobParts& parts, const LoadedLight& light)
                         notes_);
 }
 
+// Finds the frames beside this one.
+void RenderJob::PlaceMotion(const JobParts& parts) {
+  if (!NeedsMotion(options().aovs)) return;
+  const auto refuse = [&](const std::string& reason) {
+    return OptionError("aovs", ToString(options().aovs), reason);
+  };
+  if (!request_.read.frame || parts.loaded().animations.empty()) {
+    throw refuse("flow is between frames: it needs `frame` and a scene that has an animation");
+  }
+  if (!HasPlaneFilm(camera_.kind)) {
+    throw refuse("flow needs a perspective or an orthographic camera");
+  }
+  motion_.next = MomentAt(parts, *request_.read.frame + 1, next_geometry_);
+  motion_.previous = MomentAt(parts, *request_.read.frame - 1, previous_geometry_);
+}
+
+// Returns the scene at a frame, of which it keeps the geometry in `geometry`.
+Moment RenderJob::MomentAt(const JobParts& parts, double frame,
+                           std::shared_ptr<const BuiltGeometry>& geometry) const {
+  JobRequest request = request_;
+  request.read.frame = frame;
+  JobParts other = parts.AtFrame(request);
+  other.Prepare(request);
+  geometry = other.Build(request, EmbreeThreads(options().threads));
+  const Geometry& then = geometry->geometry;
+  if (then.vertex_count() != geometry_->geometry.vertex_count() ||
+      then.instance_count() != geometry_->geometry.instance_count()) {
+    throw InputError(InputPosition::File(request.scene),
+                     fmt::format("has other vertices or instances at frame {:g} than at frame "
+                                 "{:g}, so there is no flow between them",
+                                 frame, *request_.read.frame));
+  }
+  const int width = *request_.width, height = *request_.height;
+  const Camera camera = ChooseCamera(*other.prepared().scene, other.prepared().bounds,
+                                     request_.camera, float(width) / float(height));
+  return {&then, MakeCameraView(camera, width, height, filter_offsets_.data(), request_.crop)};
+}
+
 // Whether light paths start at the map and the strategy of the camera paths cannot emit them.
 bool RenderJob::NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const {
   return Describe(integrator).light_paths == LightPaths::kAny && has_environment() &&
@@ -416,6 +455,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
   if (!links_.unlit.empty()) frame.Show(&links_.view);
   if (place_ && Sums(options().aovs, AovSum::kBackdrop)) frame.Show(&place_->dome);
   if (place_ && place_->projects()) frame.Show(&place_->projection);
+  if (motion_.next) frame.Show(&motion_);
   return frame;
 }
 

@@ -83,6 +83,9 @@ class RenderJob {
   void PlaceLights(const JobParts& parts, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const std::shared_ptr<const LoadedLight>& light);
   void PlaceProjection(const JobParts& parts, const LoadedLight& light);
+  void PlaceMotion(const JobParts& parts);
+  Moment MomentAt(const JobParts& parts, double frame,
+                  std::shared_ptr<const BuiltGeometry>& geometry) const;
   bool has_environment() const;
   bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;
   FrameView frame(Integrator integrator, const EnvStrategy& strategy,
@@ -102,7 +105,10 @@ class RenderJob {
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   ControlView control_;                              // that frames show, if there is irradiance_
   std::shared_ptr<const ProjectedPlace> place_;      // null: nothing is projected
-  std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
+  // The frames beside this one, where layers ask for them.
+  std::shared_ptr<const BuiltGeometry> next_geometry_, previous_geometry_;
+  FrameMotion motion_;
+  std::shared_ptr<const StrategyTables> emitter_;  // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_, filter_factors_;
   Camera scene_camera_;
   CameraView camera_;

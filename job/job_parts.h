@@ -145,6 +145,9 @@ class JobParts {
   explicit JobParts(const SharedScene& scene);
 
   const Scene& loaded() const { return loaded_->scene; }
+  // Returns the parts of the scene's file at another frame, with the same cache; `request` is that
+  // of the frame. Throws InputError, also if the scene is not in a file.
+  JobParts AtFrame(const JobRequest& request) const { return {request, cache_}; }
 
   // These take a resolved request and throw InputError. Prepare comes first.
   void Prepare(const JobRequest& request);

@@ -75,6 +75,7 @@ class Geometry {
   }
   bool has_mixtures() const { return !tables_.mixed.empty(); }
   std::size_t triangle_count() const { return tables_.triangle_count(); }
+  std::size_t vertex_count() const { return tables_.vertex_count(); }
   std::size_t record_count() const { return tables_.triangles.size(); }  // variants included
   // The first triangle of the world that rays may pass through, or the end of the world's.
   std::uint32_t first_with_alpha() const { return tables_.spans.front().first_with_alpha; }

@@ -115,7 +115,7 @@ class ViewSlots {
     SlotKey key = nullptr;
     const void* value = nullptr;
   };
-  std::array<Slot, 6> slots_;
+  std::array<Slot, 7> slots_;
 };
 
 }  // namespace skywave

@@ -98,6 +98,18 @@ def write_depth(path, depth, unit=0.001):
     write_png16(path, steps)
 
 
+def write_flow(path, flow):
+    """Writes the layer flow or flow-back (height, width, 3) as a .flo file of Middlebury (Baker et
+    al. 2011): the motion of each pixel, 1e10 where it is not known."""
+    flow = numpy.asarray(flow)
+    if flow.ndim != 3 or flow.shape[2] != 3:
+        raise bad_argument("flow", f"its shape is {flow.shape}, and (height, width, 3) is needed")
+    motion = numpy.where(flow[..., 2:] > 0, flow[..., :2], _FAR).astype("<f4")
+    name = _convert.path(path, "path")
+    with as_file_error(name), open(name, "wb") as file:
+        file.write(b"PIEH" + struct.pack("<ii", flow.shape[1], flow.shape[0]) + motion.tobytes())
+
+
 class Coco:
     """Collects annotations of pictures in the format of COCO: a box, a mask and an area for each
     object that a picture shows. The names of the objects go to classes as class_ids says."""

@@ -41,6 +41,20 @@ def square(x, y, z, side):
     return points, [[0, 1, 2], [0, 2, 3]]
 
 
+class FlowTest(Case):
+    def test_flow_files_have_motions_and_say_where_there_is_none(self):
+        flow = numpy.zeros((2, 3, 3), numpy.float32)
+        flow[1, 2] = [1.5, -2.25, 1]
+        annotations.write_flow("a.flo", flow)
+        data = pathlib.Path("a.flo").read_bytes()
+        self.assertEqual(struct.unpack("<fii", data[:12]), (202021.25, 3, 2))
+        values = numpy.frombuffer(data[12:], "<f4").reshape(2, 3, 2)
+        self.assertEqual(values[1, 2].tolist(), [1.5, -2.25])
+        self.assertTrue((values[0] > 1e9).all())
+        with self.assertRaisesRegex(skywave.Error, "flow: its shape"):
+            annotations.write_flow("b.flo", flow[..., :2])
+
+
 class AnnotationsTest(Case):
     def picture(self, **options):
         """A wall at z = 0, half of it hidden by a plate at z = 2; the camera is at z = 10, and its

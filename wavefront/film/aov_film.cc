@@ -196,10 +196,9 @@ void AovFilm::AddFirstHits(const FirstHits& hits) {
 }
 
 void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end) {
-  const FirstSurfaces rows = {.geometry = hits.first.geometry,
-                              .camera = hits.first.camera,
-                              .surfaces = Slice(hits.first.surfaces, begin),
-                              .count = end - begin};
+  FirstSurfaces rows = hits.first;
+  rows.surfaces = Slice(hits.first.surfaces, begin);
+  rows.count = end - begin;
   std::uint32_t pixel[kRows];
   bool nearest[kRows];
   for (std::uint32_t i = 0; i < rows.count; ++i) {

@@ -94,6 +94,16 @@ void ReadMaterialId(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
+void ReadFlow(const FirstSurfaces& first, const AovColumns& out) {
+  FindFlow({&first.geometry, first.camera}, *first.motion->next, first.surfaces, first.count,
+           out[0], out[1], out[2]);
+}
+
+void ReadFlowBack(const FirstSurfaces& first, const AovColumns& out) {
+  FindFlow({&first.geometry, first.camera}, *first.motion->previous, first.surfaces, first.count,
+           out[0], out[1], out[2]);
+}
+
 constexpr float kFarAway = 1e10f;  // as in Blender
 
 constexpr Aov kAovs[] = {
@@ -159,6 +169,18 @@ constexpr Aov kAovs[] = {
      .sum = AovSum::kMatte,
      .help = "Cryptomatte of the materials, by name",
      .matte = MatteOf::kMaterials},
+    {.name = "flow",
+     .channels = "XYA",
+     .sum = AovSum::kNearestHit,
+     .help = "to where the next --frame has what is seen [pixels, y down]; A: 1 where known",
+     .read = ReadFlow,
+     .of_motion = true},
+    {.name = "flow-back",
+     .channels = "XYA",
+     .sum = AovSum::kNearestHit,
+     .help = "the same, to where the previous frame has it",
+     .read = ReadFlowBack,
+     .of_motion = true},
 };
 static_assert(std::size(kAovs) < 32);
 
@@ -188,7 +210,9 @@ std::optional<AovSet> ParseOne(std::string_view name) {
 std::span<const Aov> Aovs() { return kAovs; }
 
 AovSet AllAovs() {
-  return Those([](const Aov& aov) { return !aov.of_composites && aov.sum != AovSum::kMatte; });
+  return Those([](const Aov& aov) {
+    return !aov.of_composites && !aov.of_motion && aov.sum != AovSum::kMatte;
+  });
 }
 
 AovSet AovsOf(AovSum sum) {
@@ -236,6 +260,10 @@ std::size_t ChannelCount(AovSet aovs, std::size_t light_groups) {
 }
 
 bool Sums(AovSet aovs, AovSum sum) { return (aovs & AovsOf(sum)) != 0; }
+
+bool NeedsMotion(AovSet aovs) {
+  return (aovs & Those([](const Aov& aov) { return aov.of_motion; })) != 0;
+}
 
 bool NeedsUvs(AovSet aovs) {
   return (aovs & Those([](const Aov& aov) { return aov.read == ReadUv; })) != 0;

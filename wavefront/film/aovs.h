@@ -13,6 +13,7 @@
 #include "kernels/camera.h"
 #include "kernels/columns.h"
 #include "scene/geometry.h"
+#include "wavefront/film/flow.h"
 #include "wavefront/film/mattes.h"
 
 namespace skywave {
@@ -48,6 +49,7 @@ struct FirstSurfaces {
   const CameraView& camera;
   SurfaceColumns surfaces;
   std::uint32_t count;
+  const FrameMotion* motion = nullptr;  // for layers of it
 };
 
 inline constexpr std::uint32_t kMaxAovChannels = 3;  // of a layer of first hits
@@ -64,6 +66,7 @@ struct Aov {
   float background = 0;        // value where nothing was hit
   bool of_composites = false;  // kept for catchers and transparent backgrounds, and not in "all"
   MatteOf matte = MatteOf::kObjects;  // what a matte is of; mattes are not in "all" either
+  bool of_motion = false;             // needs the frames beside that of the picture; not in "all"
 };
 
 // Returns all of them, in the order of help texts.
@@ -72,7 +75,7 @@ std::span<const Aov> Aovs();
 // A set of lines of the table has bit i for Aovs()[i].
 using AovSet = std::uint32_t;
 
-// Returns all lines of the table but mattes and those of composites.
+// Returns all lines of the table but mattes and those of composites and of motion.
 AovSet AllAovs();
 // Returns the lines that sum like that.
 AovSet AovsOf(AovSum sum);
@@ -105,6 +108,8 @@ void ForEachChannel(AovSet aovs, std::size_t light_groups, F f) {
 std::size_t ChannelCount(AovSet aovs, std::size_t light_groups);
 // True if any line of `aovs` sums like that.
 bool Sums(AovSet aovs, AovSum sum);
+// True if any line needs the frames beside that of the picture.
+bool NeedsMotion(AovSet aovs);
 // True if any line needs texture coordinates in scenes without textures.
 bool NeedsUvs(AovSet aovs);
 // True if any line is read at first hits.
