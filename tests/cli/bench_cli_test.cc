@@ -380,6 +380,7 @@ TEST_F(Bench, ABaselineHoldsCountersInstructionsAndTime) {
   const auto expect_time = [&](const std::vector<double>& before, int code,
                                const std::string& verdict) {
     changed["render_seconds"] = before;
+    changed["doubts"] = Json::array();
     Put("b.json", changed.dump());
     const Result result = Run(command + "--gates time");
     const bool unclear = Contains(result.out, "time: unclear: ");
@@ -389,6 +390,8 @@ TEST_F(Bench, ABaselineHoldsCountersInstructionsAndTime) {
   };
   expect_time({1e-9, 1.1e-9, 1.2e-9}, 3, "time=FAILED");
   expect_time({1e6, 1.1e6, 1.2e6}, 0, "time=passed");
+  changed["doubts"] = {"its threads waited"};
+  expect(changed, "time", 0, "the baseline's times are doubtful: its threads waited");
   changed = baseline;
   changed["options"]["spp"] = "--spp 2";
   expect(changed, "counters", kExitBadInput,
