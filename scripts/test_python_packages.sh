@@ -8,7 +8,7 @@ scripts/setup.sh wheel
 environment=$PWD/build/python_packages
 [[ -x $environment/bin/python ]] || "${PYTHON:-/usr/bin/python3}" -m venv "$environment"
 if ! "$environment/bin/pip" install --quiet --disable-pip-version-check --timeout 30 --retries 1 \
-  trimesh scipy pillow pyrender pyvista open3d cadquery; then
+  trimesh scipy pillow pyrender pyvista open3d cadquery h5py; then
   echo "skipped: packages of PyPI cannot be installed"
   exit 77
 fi

@@ -2,6 +2,11 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy
+
+# Cameras of OpenGL look along -z and have y up, those of OpenCV along z with y down.
+FLIP = numpy.diag([1.0, -1.0, -1.0, 1.0])
+
 
 @dataclass(frozen=True, eq=False)
 class Camera:
@@ -20,7 +25,5 @@ class Camera:
     @classmethod
     def from_world_to_camera(cls, K, R, t, size):
         """Returns the camera that sees the point X of the world at R X + t, as OpenCV says it."""
-        import numpy
-
         R, t = numpy.asarray(R, dtype=float), numpy.asarray(t, dtype=float).reshape(3)
         return cls(K, numpy.column_stack([R.T, -R.T @ t]), size)

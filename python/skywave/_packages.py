@@ -1,24 +1,15 @@
-"""Scenes from the meshes of other packages, which are recognised by what they offer: none of them is
-imported before a caller has brought one of its objects."""
+"""Scenes from the meshes of other packages, which are recognised by what they offer: none of them
+is imported before a caller has brought one of its objects."""
 import numpy
 
 from . import _convert
-from ._camera import Camera
+from ._camera import FLIP, Camera
+from ._color import linear
 from ._errors import bad_argument
 from ._scene import Scene
 
-# Cameras of OpenGL look along -z and have y up, those of Camera along z with y down.
-FLIP = numpy.diag([1.0, -1.0, -1.0, 1.0])
-
-
 # The colour of what has none in trimesh.
 _TRIMESH_GREY = (102, 102, 102, 255)
-
-
-def linear(srgb):
-    """Returns linear radiance of values of sRGB in [0, 1] (IEC 61966-2-1)."""
-    srgb = numpy.asarray(srgb, float)
-    return numpy.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
 def _fractions(values):
@@ -38,7 +29,7 @@ def _corners(vertices, faces, *by_vertex):
 
 
 def flipped(uvs):
-    """Returns coordinates whose (0, 0) is at the bottom left from ones of the top left, and back."""
+    """Returns coordinates with (0, 0) at the top left from ones with it at the bottom left."""
     return None if uvs is None else numpy.asarray(uvs, float) * [1, -1] + [0, 1]
 
 
@@ -72,8 +63,8 @@ class Materials:
 
 
 def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, roughness=1.0,
-                        color_image=None, roughness_image=None, normal_image=None,
-                        emission=(0, 0, 0), emission_image=None, alpha_mode="OPAQUE", cutoff=0.5):
+                       color_image=None, roughness_image=None, normal_image=None,
+                       emission=(0, 0, 0), emission_image=None, alpha_mode="OPAQUE", cutoff=0.5):
     """Adds a material of glTF 2.0, section 3.9; `color` and `emission` are linear."""
     scene = materials.scene
     color = numpy.asarray(color, float)
@@ -102,9 +93,10 @@ def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, 
 def _add(scene, materials, mesh, name, number):
     """Adds a trimesh.Trimesh to the object `number` of a scene."""
     vertices, faces = mesh.vertices, mesh.faces
+    # trimesh would compute those that no file gave, smooth across edges.
     normals = mesh.vertex_normals if "vertex_normals" in mesh._cache.cache else None
-    uvs, colors, opacity = None, None, 1.0
-    visual, material = mesh.visual, 0
+    uvs, colors, opacity, material = None, None, 1.0, None
+    visual = mesh.visual
     kind = getattr(visual, "kind", None)
     if kind == "texture":
         uvs = flipped(visual.uv) if visual.uv is not None else None
@@ -116,9 +108,9 @@ def _add(scene, materials, mesh, name, number):
             rgba = numpy.repeat(rgba, 3, axis=0)
         colors = linear(rgba[:, :3])
         opacity = float(rgba[:, 3].mean())
-    if material == 0:
-        material = scene.add_material("metallic-roughness", reflectance=1 if colors is not None
-                                      else 0.5, alpha=1, metallic=0, opacity=opacity, name=name)
+    if material is None:
+        material = scene.add_material("metallic-roughness", alpha=1, metallic=0, opacity=opacity,
+                                      reflectance=0.5 if colors is None else 1, name=name)
     scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, material=material,
                    name=name, object=number)
 
@@ -165,8 +157,10 @@ def from_trimesh(source, *, up="y"):
     """Returns a Scene of a trimesh.Trimesh or trimesh.Scene.
 
     Transforms (what is seen several times is shared), PBR and simple materials with their textures,
-    colours of vertices and faces, the normals that a file had, the camera and the lights are taken.
-    `up` is the axis that is up: "z" for most STL files. Point clouds and paths raise Error.
+    colours of vertices and faces, the normals that a file had or that the mesh has been asked for,
+    the camera and the lights are taken.
+    `up` is the axis that is up: "z" for most STL files. The alpha of colours of vertices and faces
+    counts by its mean over the mesh. Point clouds and paths raise Error.
     """
     scene = Scene().set_up(up)
     materials = Materials(scene)
@@ -202,8 +196,9 @@ def _require_faces(mesh):
 def from_open3d(source, *, up="y"):
     """Returns a Scene of an open3d.geometry.TriangleMesh, a list of them or a TriangleMeshModel.
 
-    Normals and colours of vertices, coordinates and textures of triangles, and the materials of a
-    model (open3d.io.read_triangle_model) are taken.
+    Normals and colours of vertices, coordinates and textures of triangles, and of the materials of
+    a model (open3d.io.read_triangle_model) colour, metal and roughness with their textures and
+    normal maps are taken.
     """
     scene = Scene().set_up(up)
     materials = Materials(scene)

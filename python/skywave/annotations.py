@@ -18,6 +18,7 @@ import zlib
 import numpy
 
 from . import _convert
+from ._dataset_files import Bop, write_hdf5, write_transforms  # noqa: F401 (offered here)
 from ._errors import as_file_error, bad_argument
 
 _FAR = 1e10  # depth where nothing is hit
@@ -69,16 +70,26 @@ def write_png16(path, values):
         raise bad_argument("values", f"its shape is {values.shape}, and (height, width) is needed")
     if not (values.min() >= 0 and values.max() <= _MOST and (values == numpy.rint(values)).all()):
         raise bad_argument("values", f"a PNG of 16 bits holds whole numbers from 0 to {_MOST}")
+    _write_grey(path, values.astype(">u2"))
+
+
+def write_mask(path, mask):
+    """Writes a mask (height, width) as a grey PNG of 8 bits: 255 where it is true, else 0."""
+    _write_grey(path, numpy.where(numpy.asarray(mask, dtype=bool), 255, 0).astype(numpy.uint8))
+
+
+def _write_grey(path, values):
     height, width = values.shape
-    lines = numpy.zeros((height, 1 + 2 * width), dtype=numpy.uint8)  # filter 0 in front of each
-    lines[:, 1:] = numpy.ascontiguousarray(values.astype(">u2")).view(numpy.uint8)
+    size = values.dtype.itemsize
+    lines = numpy.zeros((height, 1 + size * width), dtype=numpy.uint8)  # filter 0 before each
+    lines[:, 1:] = numpy.ascontiguousarray(values).view(numpy.uint8)
 
     def chunk(kind, body):
         return (struct.pack(">I", len(body)) + kind + body
                 + struct.pack(">I", zlib.crc32(kind + body)))
 
-    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0,
-                                                              0, 0))
+    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height,
+                                                              8 * size, 0, 0, 0, 0))
             + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b""))
     name = _convert.path(path, "path")
     with as_file_error(name), open(name, "wb") as file:

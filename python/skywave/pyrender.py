@@ -7,7 +7,8 @@ renders the same pyrender.Scene by light paths, with shadows and reflections.
 import numpy
 
 from . import _packages, render
-from ._camera import Camera
+from ._camera import FLIP, Camera
+from ._color import bytes_of, linear, srgb
 from ._errors import bad_argument
 from ._scene import Scene
 
@@ -40,7 +41,7 @@ def from_pyrender(source, size):
     if node is None:
         raise bad_argument("source", "the scene has no camera")
     scene.set_camera(Camera(_matrix_of(node.camera, size),
-                            source.get_pose(node) @ _packages.FLIP, size))
+                            source.get_pose(node) @ FLIP, size))
     return scene
 
 
@@ -93,8 +94,8 @@ def _material(materials, material):
 class OffscreenRenderer:
     """Renders pyrender.Scene objects with the signature of pyrender.OffscreenRenderer.
 
-    All further keywords are options of skywave.render: spp, strategy, denoise, env, ... `point_size`
-    is not used.
+    All further keywords are options of skywave.render: spp, strategy, denoise and others.
+    `point_size` is not used.
     """
 
     def __init__(self, viewport_width, viewport_height, point_size=1.0, **options):
@@ -127,19 +128,13 @@ class OffscreenRenderer:
         alpha = numpy.clip(picture.layers["alpha"], 0, 1)[..., None]
         behind = numpy.asarray(scene.bg_color, float)
         behind = numpy.append(behind, 1.0)[:4]
-        color = _srgb(picture.rgb + (1 - alpha) * _packages.linear(behind[:3]))
+        color = srgb(picture.rgb + (1 - alpha) * linear(behind[:3]))
         if flags & _RGBA:
             color = numpy.concatenate([color, alpha + (1 - alpha) * behind[3]], axis=2)
-        return numpy.round(255 * color).astype(numpy.uint8), depth
+        return bytes_of(color), depth
 
     def delete(self):
         """Does nothing: there is no OpenGL to be freed."""
-
-
-def _srgb(linear):
-    """Returns values of sRGB in [0, 1] (IEC 61966-2-1)."""
-    linear = numpy.clip(linear, 0, 1)
-    return numpy.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def _segments(picture, nodes, colors):

@@ -55,6 +55,65 @@ class FlowTest(Case):
             annotations.write_flow("b.flo", flow[..., :2])
 
 
+class FilesTest(Case):
+    def scene(self):
+        scene = skywave.Scene()
+        scene.add_mesh(*square(-1, -1, 0, 2), name="plate")
+        scene.add_mesh(*square(1.5, -1, 1, 0.5), name="chip")
+        pose = numpy.array([[0.8, 0, -0.6, 4.5], [0, -1, 0, 0.25], [-0.6, 0, -0.8, 6],
+                            [0, 0, 0, 1]])
+        camera = skywave.Camera([[60, 0, 20.5], [0, 62, 13], [0, 0, 1]], pose, (40, 30))
+        return scene.set_camera(camera), camera
+
+    def test_transforms_are_read_back_as_the_same_camera(self):
+        scene, camera = self.scene()
+        annotations.write_transforms("transforms.json", {"a.png": camera, "b.png": camera})
+        options = {"spp": 2, "aovs": ["position"]}
+        one = skywave.render(scene, sky(), **options)
+        other = skywave.render(scene, sky(), camera_from="transforms.json", scene_camera="b.png",
+                               **options)
+        self.assertEqual((other.width, other.height), (40, 30))
+        numpy.testing.assert_allclose(other.layers["position"], one.layers["position"], atol=1e-4)
+        skewed = skywave.Camera([[60, 1, 20.5], [0, 62, 13], [0, 0, 1]],
+                                camera.world_from_camera, (40, 30))
+        with self.assertRaisesRegex(skywave.Error, "c.png is skewed"):
+            annotations.write_transforms("t.json", {"c.png": skewed})
+        self.assertFalse(pathlib.Path("t.json").exists())
+
+    def test_a_scene_of_bop_has_poses_depths_and_masks(self):
+        scene, camera = self.scene()
+        picture = skywave.render(scene, sky(), spp=2, aovs=["object-id", "depth"])
+        bop = annotations.Bop("train/000000", metres=0.01)
+        model = numpy.eye(4)
+        model[:3, 3] = [0.5, 0.25, 0]
+        self.assertEqual(bop.add(picture, camera, {"plate": (7, model)}), 0)
+        bop.save()
+        folder = pathlib.Path("train/000000")
+        truth, = json.loads((folder / "scene_gt.json").read_text())["0"]
+        self.assertEqual(truth["obj_id"], 7)
+        seen = json.loads((folder / "scene_camera.json").read_text())["0"]
+        # The corner (1, 1, 0) of the plate is at (0.5, 0.75, 0) of the model.
+        R, t = numpy.array(truth["cam_R_m2c"]).reshape(3, 3), numpy.array(truth["cam_t_m2c"])
+        at = R @ numpy.array([0.5, 0.75, 0]) * 10 + t  # a unit is 10 mm
+        pose = numpy.asarray(camera.world_from_camera)
+        expected = 10 * pose[:3, :3].T @ ([1, 1, 0] - pose[:3, 3])
+        numpy.testing.assert_allclose(at, expected, atol=1e-9)
+        mask = picture.layers["object-id"] == 1
+        row, column = [int(i) for i in numpy.argwhere(mask)[len(numpy.argwhere(mask)) // 2]]
+        depth = read_png16(folder / "depth/000000.png")[row][column] * seen["depth_scale"]
+        self.assertAlmostEqual(depth, 10 * picture.layers["depth"][row, column], delta=0.051)
+        data = (folder / "mask_visib/000000_000000.png").read_bytes()
+        self.assertEqual(struct.unpack(">IIBB", data[16:26]), (40, 30, 8, 0))
+        raw = zlib.decompress(data[data.index(b"IDAT") + 4:])
+        lines = numpy.frombuffer(raw, numpy.uint8).reshape(30, 41)[:, 1:]
+        numpy.testing.assert_array_equal(lines, numpy.where(mask, 255, 0))
+        self.assertTrue((folder / "rgb/000000.png").exists())
+        with self.assertRaisesRegex(skywave.Error, "no object 'cup', but plate, chip"):
+            bop.add(picture, camera, {"cup": (1, model)})
+        with self.assertRaisesRegex(skywave.Error, "plate: .*no rotation"):
+            bop.add(picture, camera, {"plate": (1, 2 * model)})
+
+
 class AnnotationsTest(Case):
     def picture(self, **options):
         """A wall at z = 0, half of it hidden by a plate at z = 2; the camera is at z = 10, and its

@@ -1,12 +1,14 @@
 """Scenes from the meshes of other packages hold what those say: a test of each real package, run by
 scripts/test_python_packages.sh, which installs them."""
 import importlib
+import json
 import tempfile
 import unittest
 
 import numpy
 
 import skywave
+from skywave import annotations
 
 WHITE = numpy.ones((4, 8, 3))
 # A quad in the plane z = 0, and its corners in an image whose (0, 0) is at the bottom left.
@@ -321,6 +323,29 @@ class Cadquery(PackagesTest):
         coarse, fine = (skywave.from_cadquery(ball, tolerance=t, angle=1).triangles
                         for t in (0.2, 0.001))
         self.assertGreater(fine, 4 * coarse)
+
+
+class Hdf5(PackagesTest):
+    def test_containers_have_the_names_of_blenderproc(self):
+        h5py = package("h5py")
+        picture = skywave.render("spheres", WHITE, size=(32, 24), spp=4,
+                                 aovs=["depth", "camera-normal", "object-id"])
+        with tempfile.TemporaryDirectory() as folder:
+            annotations.write_hdf5(folder + "/0.hdf5", picture)
+            with h5py.File(folder + "/0.hdf5") as file:
+                data = {name: numpy.array(values) for name, values in file.items()}
+        self.assertEqual(set(data), {"colors", "depth", "normals", "instance_segmaps",
+                                     "instance_attribute_maps"})
+        self.assertEqual((data["colors"].shape, data["colors"].dtype), ((24, 32, 3), numpy.uint8))
+        numpy.testing.assert_array_equal(data["depth"], picture.layers["depth"])
+        numpy.testing.assert_array_equal(data["instance_segmaps"], picture.layers["object-id"])
+        row, column = numpy.argwhere(picture.layers["object-id"] > 0)[200]
+        numpy.testing.assert_allclose(2 * data["normals"][row, column] - 1,
+                                      picture.layers["camera-normal"][row, column], atol=1e-6)
+        names = json.loads(data["instance_attribute_maps"].tobytes())
+        self.assertEqual([entry["name"] for entry in names], picture.object_names)
+        color = linear(data["colors"][row, column] / 255)
+        numpy.testing.assert_allclose(color, numpy.clip(picture.rgb[row, column], 0, 1), atol=0.01)
 
 
 def _pil(pixels):
