@@ -1,6 +1,5 @@
 // Implements Renderer: one picture from the options to the film, and what is taken from it.
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +8,9 @@
 #include "api/errors.h"
 #include "api/picture_display.h"
 #include "api/state.h"
+#include "base/arena.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "base/granted.h"
 #include "base/version.h"
 #include "bench/measure/render_report.h"
 #include "job/options.h"
@@ -177,7 +176,7 @@ void Renderer::Render(const RenderControl& control) {
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
     if (control.keep_film) {
       const int height = rendered.film.layout().area.picture.height;
-      tbb::task_arena(ThreadsFor(state.job->options().threads)).execute([&] {
+      ArenaOf(state.job->options().threads).execute([&] {
         rows.Add(rendered.film, rendered.samples, 0, height);
       });
     }

@@ -1,5 +1,6 @@
 #include "base/large_memory.h"
 
+#include <malloc.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -25,5 +26,7 @@ void AdviseHugePages(void* memory, std::size_t bytes) {
 }
 
 void GivePagesBack(void* memory, std::size_t bytes) { AdvisePages(memory, bytes, MADV_DONTNEED); }
+
+void ReturnFreeMemory() { malloc_trim(0); }
 
 }  // namespace skywave

@@ -15,6 +15,10 @@ void AdviseHugePages(void* memory, std::size_t bytes);
 // Returns the whole pages of a block to the system; they read as zeros afterwards.
 void GivePagesBack(void* memory, std::size_t bytes);
 
+// Returns whole pages that malloc keeps without need to the system, of all its arenas; some
+// milliseconds.
+void ReturnFreeMemory();
+
 // Resizes an empty vector to `count` zeros in such memory.
 template <class T>
 void ResizeLarge(std::vector<T>& values, std::size_t count) {

@@ -1,14 +1,13 @@
 // Implements skywave denoise: a clean picture from the layers of a noisy one.
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
 
+#include "base/arena.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "base/granted.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/print.h"
@@ -47,9 +46,9 @@ int DenoiseMain(const DenoiseFlags& flags) {
   std::vector<std::string> notes = CheckNoisy(flags.input, flags.limits);
   const Denoiser by = ResolveDenoiser(flags.by);
   const LayeredImage noisy = ReadDataWindow(flags.input, DenoiserChannels(), flags.limits);
-  tbb::task_arena arena(ThreadsFor(flags.threads));
-  Denoised clean =
-      arena.execute([&] { return Denoise(by, flags.input, noisy.image, noisy.layers); });
+  Denoised clean = ArenaOf(flags.threads).execute([&] {
+    return Denoise(by, flags.input, noisy.image, noisy.layers);
+  });
   Picture picture = {
       .image = std::move(clean.image),
       .layers = noisy.layers,

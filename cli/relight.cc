@@ -1,14 +1,13 @@
 // Implements skywave relight: a picture by other weights of its lights.
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
 
+#include "base/arena.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "base/granted.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/print.h"
@@ -76,8 +75,7 @@ int RelightMain(const RelightFlags& flags) {
   }
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)},
                std::array{flags.input, flags.table});
-  tbb::task_arena arena(ThreadsFor(flags.threads));
-  arena.execute([&] { RelightAll(flags); });
+  ArenaOf(flags.threads).execute([&] { RelightAll(flags); });
   if (!flags.quiet) Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
   return 0;
 }

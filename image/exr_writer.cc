@@ -8,7 +8,6 @@
 #include <ImfStringAttribute.h>
 #include <half.h>
 #include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +16,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "base/arena.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/granted.h"
@@ -143,8 +143,7 @@ void AppendOffsets(std::string_view strip, std::uint64_t before,
 template <class Encode, class Write>
 void EncodeInOrder(std::size_t count, int threads, const Encode& encode, const Write& write) {
   std::size_t next = 0;
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
+  ArenaOf(threads).execute([&] {
     tbb::parallel_pipeline(
         2 * std::size_t(threads),
         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,

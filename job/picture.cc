@@ -1,7 +1,6 @@
 #include "job/picture.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/arena.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "base/granted.h"
 #include "base/version.h"
 #include "job/backplate.h"
 #include "job/denoise/denoise.h"
@@ -303,9 +302,7 @@ LayeredImage PictureRows::With(const Film& film, const SampleCounts& samples) co
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part, int threads) {
   PictureRows rows(layers, identity);
-  tbb::task_arena(ThreadsFor(threads)).execute([&] {
-    rows.Add(film, samples, 0, film.layout().area.picture.height);
-  });
+  ArenaOf(threads).execute([&] { rows.Add(film, samples, 0, film.layout().area.picture.height); });
   return FinishPicture(rows.Take(), layers, identity, part, threads);
 }
 
@@ -326,7 +323,7 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
   if (const Denoiser by = DenoiserOf(identity); by != Denoiser::kNone) {
-    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(by, identity.scene, picture); });
+    ArenaOf(threads).execute([&] { Clean(by, identity.scene, picture); });
   }
   if (IsTransparent(identity)) MakeTransparent(picture);
   ExposeAndCompose(identity, part.window, picture);
@@ -425,8 +422,7 @@ void WriteExr(const std::string& path, const Picture& picture) { WriteExr(path, 
 
 std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
-  tbb::task_arena arena(ThreadsFor(picture.format.threads));
-  return arena.execute([&] {
+  return ArenaOf(picture.format.threads).execute([&] {
     if (picture.alpha.empty() || !picture.composite.rgb.empty()) {
       return EncodePng(image.width, image.height,
                        ToneMap(picture.alpha.empty() ? image : picture.composite, picture.tone));

@@ -1,7 +1,6 @@
 #include "job/session.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/arena.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/granted.h"
@@ -299,7 +299,7 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
     noise = session.forgets ? Film::Noise(session.noise) : session.film.Noise(samples);
   }
   if (request.on_rows && !session.forgets) {
-    tbb::task_arena(ThreadsFor(job.options().threads)).execute([&] {
+    ArenaOf(job.options().threads).execute([&] {
       request.on_rows(session.film, samples, 0, layout.area.picture.height);
     });
   }

@@ -5,6 +5,8 @@
 #include <exception>
 #include <future>
 
+#include "base/spare_threads.h"
+
 namespace skywave {
 
 void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell) {
@@ -14,7 +16,7 @@ void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell) {
 
 void Watch(Progress& progress, std::uint64_t total, const WatchedWork& work, const Teller& tell) {
   if (!tell) return work(progress);
-  std::future<void> end = std::async(std::launch::async, [&] { work(progress); });
+  std::future<void> end = OnSpareThread([&] { work(progress); });
   std::exception_ptr failure;
   while (end.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
     if (progress.cancel) continue;  // the work will notice soon

@@ -18,6 +18,9 @@ FrameResult RenderAgain(const RenderJob& job, int threads) {
   return RenderFrame(frame, film);
 }
 
+// Threads take some 50 us to wake up.
+constexpr double kLeastSeconds = 2e-3;
+
 // Returns the median of entry `i` over the repetitions.
 template <std::size_t kSize>
 double MedianOf(const std::vector<std::array<double, kSize>>& repetitions, std::uint32_t i) {
@@ -52,6 +55,12 @@ double Speed::deviation() const { return RelativeDeviation(FastestOf(render)); }
 std::vector<std::string> Speed::doubts() const {
   std::vector<std::string> found = conditions.disturbances();
   if (!steady()) found.push_back(UnsteadyText(render.size(), deviation(), deviation_limit));
+  if (!found.empty() && render_seconds() < kLeastSeconds) {
+    found.insert(found.begin(),
+                 fmt::format("a render takes {:.2g} ms, of which starting threads is a part: "
+                             "`spp` or `size` make it longer",
+                             1e3 * render_seconds()));
+  }
   return found;
 }
 

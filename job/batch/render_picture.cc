@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/granted.h"
+#include "base/spare_threads.h"
 #include "image/formats.h"
 #include "job/job.h"
 #include "job/picture.h"
@@ -84,6 +85,12 @@ std::uint64_t CacheBytes(const PictureSettings& settings) {
 PictureRenderer::PictureRenderer(const BatchPlan& plan, const PictureSettings& settings)
     : plan_(plan), settings_(settings), cache_(CacheBytes(settings), CacheBytes(settings) / 4) {}
 
+PictureRenderer::~PictureRenderer() {
+  if (next_ready_.valid()) next_ready_.wait();
+  std::unique_lock lock(room_mutex_);
+  room_made_.wait(lock, [this] { return writing_bytes_ == 0; });
+}
+
 PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();
   Ready ready = {.request = RequestOf(plan_.path, picture.options)};
@@ -113,9 +120,10 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
                                                    const BatchPicture* next,
                                                    const PictureWatcher& watcher) try {
   const Ready ready = next_ == &picture ? next_ready_.get() : Read(picture);
+  if (next_ready_.valid()) next_ready_.wait();  // that of a picture that nobody has asked for
   next_ = next;
   if (next != nullptr) {
-    next_ready_ = std::async(std::launch::async, [this, next] { return Read(*next); });
+    next_ready_ = OnSpareThread([this, next] { return Read(*next); });
   }
   const RenderJob& job = *ready.job;
   const RenderLimits& limits = ready.request.limits;
@@ -169,7 +177,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     result.write_seconds = SecondsSince(start);
     return std::move(result);
   };
-  return std::async(std::launch::async, std::move(write));
+  return OnSpareThread(std::move(write));
 } catch (const OptionError& error) {
   throw AtOption(plan_.path, picture.options, error);
 }

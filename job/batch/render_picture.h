@@ -37,6 +37,9 @@ class PictureRenderer {
  public:
   // The plan must outlive the renderer.
   PictureRenderer(const BatchPlan& plan, const PictureSettings& settings);
+  ~PictureRenderer();  // waits for what is being read and written
+  PictureRenderer(const PictureRenderer&) = delete;
+  PictureRenderer& operator=(const PictureRenderer&) = delete;
 
   // Renders a picture unless it is there already: files are recognised by what they record. The
   // future has its result once the EXR and the PNG are written and the EXR has been read back.

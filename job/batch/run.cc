@@ -8,6 +8,8 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/large_memory.h"
+#include "base/spare_threads.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
@@ -53,6 +55,9 @@ std::future<PictureResult> RenderOrFail(const RenderPicture& render, const Batch
 class Saver {
  public:
   explicit Saver(const BatchReporter& reporter) : reporter_(reporter) {}
+  ~Saver() {
+    if (saving_.valid()) saving_.wait();
+  }
   void Save(BatchSummary& summary) {
     if (!reporter_.save) return;
     if (saving_.valid()) saving_.get();
@@ -68,7 +73,7 @@ class Saver {
     constexpr double kShare = 0.02;
     if (SecondsSince(last_) * kShare < took_) return;
     summary.seconds = SecondsSince(start_);
-    saving_ = std::async(std::launch::async, [this, summary] { SaveNow(summary); });
+    saving_ = OnSpareThread([this, summary] { SaveNow(summary); });
   }
 
  private:
@@ -130,6 +135,9 @@ std::future<PictureResult> Known(PictureResult result) {
 
 BatchSummary RunBatch(const BatchPlan& plan, const RenderPicture& render,
                       const BatchReporter& reporter) {
+  // Results of pictures stay between the buffers of others, whose pages glibc keeps.
+  constexpr double kSecondsBetweenTrims = 1;
+  Clock::time_point trimmed = Clock::now();
   BatchSummary summary;
   summary.results.resize(plan.pictures.size());
   Saver saver(reporter);
@@ -162,6 +170,10 @@ BatchSummary RunBatch(const BatchPlan& plan, const RenderPicture& render,
     }
     tell_all_but(kMostWrites);
     saver.SaveSometimes(summary);
+    if (SecondsSince(trimmed) > kSecondsBetweenTrims) {
+      ReturnFreeMemory();
+      trimmed = Clock::now();
+    }
   }
   tell_all_but(0);
   saver.Save(summary);

@@ -112,6 +112,18 @@ TEST(Speed, CeilingIsTheBestCallForEachKindOfRay) {
   EXPECT_DOUBLE_EQ(result.mrays_per_second(), 12);
 }
 
+// Threads of a render of 40 us wait half of their time, however quiet the machine is.
+TEST(Suite, DoubtsOfShortRendersSayThatTheyAreShort) {
+  Speed speed;
+  speed.render = {4e-5, 4e-5, 4e-5};
+  EXPECT_TRUE(speed.doubts().empty());
+  speed.conditions.waiting = 0.4;
+  ASSERT_EQ(speed.doubts().size(), 2u);
+  EXPECT_NE(speed.doubts()[0].find("a render takes 0.04 ms"), std::string::npos);
+  speed.render = {0.4, 0.4, 0.4};
+  EXPECT_EQ(speed.doubts().size(), 1u);
+}
+
 TEST(Speed, RaysOfAKindAreThoseOfTheRenderWhileTracingAndRaw) {
   const Speed speed = Result(0.5).speed;
   EXPECT_DOUBLE_EQ(speed.mrays_per_second(RayKind::kCamera), 4);
