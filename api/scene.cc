@@ -16,6 +16,7 @@
 #include "scene/materials/parameters.h"
 #include "scene/reader.h"
 #include "scene/scene_hash.h"
+#include "scene/shapes/points.h"
 
 namespace skywave::api {
 namespace {
@@ -91,9 +92,60 @@ std::vector<glm::uvec3> Triangles(std::span<const std::uint32_t> indices, std::s
   return triangles;
 }
 
+std::vector<glm::uvec2> Lines(std::span<const std::uint32_t> indices, std::size_t points) {
+  Require(indices.size() % 2 == 0, "lines",
+          fmt::format("there are {} indices, and each line needs 2", indices.size()));
+  std::vector<glm::uvec2> lines(indices.size() / 2);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    Require(indices[i] < points, "lines",
+            fmt::format("line {} names point {}, and there are {}", i / 2, indices[i], points));
+    lines[i / 2][int(i % 2)] = indices[i];
+  }
+  return lines;
+}
+
+// Returns the number of vertices with these coordinates.
+std::size_t CountVertices(std::span<const float> positions) {
+  Require(!positions.empty() && positions.size() % 3 == 0, "positions",
+          fmt::format("there are {} values, and each vertex needs 3", positions.size()));
+  const std::size_t vertices = positions.size() / 3;
+  Require(
+      vertices < kMaxRecords, "positions",
+      fmt::format("there are {} vertices, and a mesh has fewer than {}", vertices, kMaxRecords));
+  return vertices;
+}
+
 void RequireObject(const skywave::Scene& scene, int object) {
   Require(object >= 0 && std::size_t(object) < scene.objects.size(), "object",
           fmt::format("there is none with number {}; there are {}", object, scene.objects.size()));
+}
+
+// Checks what meshes and points have in common besides their places.
+template <class Arrays>
+void CheckLook(const Arrays& arrays, std::size_t vertices, const skywave::Scene& scene) {
+  Require(arrays.material >= 0 && std::size_t(arrays.material) < scene.materials.size(), "material",
+          fmt::format("there is none with number {}; there are {}", arrays.material,
+                      scene.materials.size()));
+  RequireNotNegative(arrays.colors, "colors");
+  Require(arrays.alphas.empty() || arrays.alphas.size() == vertices, "alphas",
+          fmt::format("there are {} values, and {} vertices need one each", arrays.alphas.size(),
+                      vertices));
+  Require(std::all_of(arrays.alphas.begin(), arrays.alphas.end(),
+                      [](float alpha) { return alpha >= 0 && alpha <= 1; }),
+          "alphas", "one of them is not in [0, 1]");
+  if (arrays.object != -1) RequireObject(scene, arrays.object);
+}
+
+// Gives a mesh the name and the material of the arrays that it was made of, and a place in a scene.
+template <class Arrays>
+void AppendMesh(SceneState& state, const Arrays& arrays, Mesh mesh) {
+  skywave::Scene& scene = state.Change();
+  std::vector<Mesh>& meshes =
+      arrays.object < 0 ? scene.meshes : scene.objects[std::size_t(arrays.object)].meshes;
+  mesh.name = arrays.name.empty() ? fmt::format("mesh {}", meshes.size()) : arrays.name;
+  mesh.material = std::uint32_t(arrays.material);
+  meshes.push_back(std::move(mesh));
+  state.changed = true;
 }
 
 }  // namespace
@@ -202,33 +254,38 @@ int Scene::AddMaterial(const std::string& bsdf, const std::vector<MaterialParame
 }
 
 void Scene::AddMesh(const MeshArrays& mesh) {
-  Require(!mesh.positions.empty() && mesh.positions.size() % 3 == 0, "positions",
-          fmt::format("there are {} values, and each vertex needs 3", mesh.positions.size()));
-  const std::size_t vertices = mesh.positions.size() / 3;
-  Require(
-      vertices < kMaxRecords, "positions",
-      fmt::format("there are {} vertices, and a mesh has fewer than {}", vertices, kMaxRecords));
+  const std::size_t vertices = CountVertices(mesh.positions);
   const std::size_t triangles = mesh.triangles.size() / 3;
   Require(
       triangles < kMaxRecords, "triangles",
       fmt::format("there are {} triangles, and a mesh has fewer than {}", triangles, kMaxRecords));
-  Require(mesh.material >= 0 && std::size_t(mesh.material) < state_->scene().materials.size(),
-          "material",
-          fmt::format("there is none with number {}; there are {}", mesh.material,
-                      state_->scene().materials.size()));
-  RequireNotNegative(mesh.colors, "colors");
-  if (mesh.object != -1) RequireObject(state_->scene(), mesh.object);
-  skywave::Scene& scene = state_->Change();
-  std::vector<Mesh>& meshes =
-      mesh.object < 0 ? scene.meshes : scene.objects[std::size_t(mesh.object)].meshes;
-  meshes.push_back({.name = mesh.name.empty() ? fmt::format("mesh {}", meshes.size()) : mesh.name,
-                    .positions = Rows<glm::vec3>(mesh.positions, vertices, "positions"),
-                    .normals = UnitNormals(mesh.normals, vertices),
-                    .uvs = Rows<glm::vec2>(mesh.uvs, vertices, "uvs"),
-                    .colors = Rows<glm::vec3>(mesh.colors, vertices, "colors"),
-                    .triangles = Triangles(mesh.triangles, vertices),
-                    .material = std::uint32_t(mesh.material)});
-  state_->changed = true;
+  CheckLook(mesh, vertices, state_->scene());
+  AppendMesh(*state_, mesh,
+             {.positions = Rows<glm::vec3>(mesh.positions, vertices, "positions"),
+              .normals = UnitNormals(mesh.normals, vertices),
+              .uvs = Rows<glm::vec2>(mesh.uvs, vertices, "uvs"),
+              .colors = Rows<glm::vec3>(mesh.colors, vertices, "colors"),
+              .alphas = {mesh.alphas.begin(), mesh.alphas.end()},
+              .triangles = Triangles(mesh.triangles, vertices)});
+}
+
+void Scene::AddPoints(const PointArrays& points) {
+  const std::size_t vertices = CountVertices(points.positions);
+  CheckLook(points, vertices, state_->scene());
+  Require(points.diameter > 0 && std::isfinite(points.diameter), "diameter",
+          fmt::format("{} is no length", points.diameter));
+  const Mesh centres = {.positions = Rows<glm::vec3>(points.positions, vertices, "positions"),
+                        .colors = Rows<glm::vec3>(points.colors, vertices, "colors"),
+                        .alphas = {points.alphas.begin(), points.alphas.end()}};
+  PointsAndLines parts;
+  if (points.lines.empty())
+    parts = AllPoints(centres);
+  else
+    parts.lines = Lines(points.lines, vertices);
+  Mesh mesh = Translated([&] {
+    return MakePoints(centres, parts, points.diameter, ReadOptions{}.max_triangles, "positions");
+  });
+  AppendMesh(*state_, points, std::move(mesh));
 }
 
 int Scene::AddObject(const std::string& name) {

@@ -110,9 +110,23 @@ struct MeshArrays {
   std::span<const float> uvs = {};
   // Linear RGB per vertex, or none: factors of the reflectance.
   std::span<const float> colors = {};
+  // One in [0, 1] per vertex, or none: factors of the opacity.
+  std::span<const float> alphas = {};
   int material = 0;       // see Scene::AddMaterial
   std::string name = {};  // appears in errors
   int object = -1;        // see Scene::AddObject; -1: the mesh stands in the world
+};
+
+// Points that are seen as spheres, and lines between them as tubes.
+struct PointArrays {
+  std::span<const float> positions;           // three per point
+  float diameter;                             // of spheres and tubes
+  std::span<const std::uint32_t> lines = {};  // two indices of points per line; none: points alone
+  std::span<const float> colors = {};         // as in MeshArrays
+  std::span<const float> alphas = {};
+  int material = 0;
+  std::string name = {};
+  int object = -1;
 };
 
 // A texture is used for one of these. Normals are those of a tangent-space map, whose values in
@@ -186,6 +200,8 @@ class SKYWAVE_API Scene {
                   const std::string& name = {});
 
   void AddMesh(const MeshArrays& mesh);
+  // Adds a sphere for each point, and a tube for each line.
+  void AddPoints(const PointArrays& points);
 
   // Adds an empty object and returns its number. Its meshes are added by AddMesh, in a space of the
   // object's own; they are seen where it has instances.

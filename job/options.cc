@@ -347,6 +347,8 @@ std::vector<JobOption> ReadingRows() {
           FIELD(read.missing), NamesOfEnum<MissingFiles>()),
     Plain({.name = "vertex-colors", .group = kReading, .help = "whether colours of vertices are factors of the surface's", .scope = kPixels, .example = "--vertex-colors off", .default_text = "on", .of_reading = true},
           FIELD(read.vertex_colors), NamesOfEnum<VertexColors>()),
+    Plain({.name = "point-size", .group = kReading, .help = "diameter of the spheres and tubes that show points and lines of PLY, OBJ and glTF, in units of their mesh", .scope = kPixels, .example = "moving.gltf --point-size 0.2", .default_text = "they are left out", .metavar = "D", .of_reading = true},
+          FIELD(read.point_size), Floats(1e-12, 1e12)),
     Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by copies of instances or by subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
     Plain({.name = "instances", .group = kReading, .help = "whether objects that a scene has more than once are copied, or shared by their instances, which takes less memory and more time", .scope = kPixels, .example = "--instances share", .default_text = "auto: shared where copies would take 256 MB more", .of_reading = true},

@@ -163,13 +163,14 @@ void AddScene(py::module_& module) {
           "add_mesh",
           [](Scene& scene, const Array<float>& vertices, const Array<std::uint32_t>& faces,
              const std::optional<Array<float>>& normals, const std::optional<Array<float>>& uvs,
-             const std::optional<Array<float>>& colors, int material, const std::string& name,
-             int object) {
+             const std::optional<Array<float>>& colors, const std::optional<Array<float>>& alphas,
+             int material, const std::string& name, int object) {
             const api::MeshArrays mesh = {.positions = SpanOf(vertices),
                                           .triangles = SpanOf(faces),
                                           .normals = SpanOf(normals),
                                           .uvs = SpanOf(uvs),
                                           .colors = SpanOf(colors),
+                                          .alphas = SpanOf(alphas),
                                           .material = material,
                                           .name = name,
                                           .object = object};
@@ -177,7 +178,26 @@ void AddScene(py::module_& module) {
           },
           py::arg("vertices").noconvert(), py::arg("faces").noconvert(),
           py::arg("normals").noconvert(), py::arg("uvs").noconvert(), py::arg("colors").noconvert(),
-          py::arg("material"), py::arg("name"), py::arg("object"))
+          py::arg("alphas").noconvert(), py::arg("material"), py::arg("name"), py::arg("object"))
+      .def(
+          "add_points",
+          [](Scene& scene, const Array<float>& points, float size,
+             const std::optional<Array<std::uint32_t>>& lines,
+             const std::optional<Array<float>>& colors, const std::optional<Array<float>>& alphas,
+             int material, const std::string& name, int object) {
+            const api::PointArrays arrays = {.positions = SpanOf(points),
+                                             .diameter = size,
+                                             .lines = SpanOf(lines),
+                                             .colors = SpanOf(colors),
+                                             .alphas = SpanOf(alphas),
+                                             .material = material,
+                                             .name = name,
+                                             .object = object};
+            scene.Use([&](api::Scene& s) { s.AddPoints(arrays); });
+          },
+          py::arg("points").noconvert(), py::arg("size"), py::arg("lines").noconvert(),
+          py::arg("colors").noconvert(), py::arg("alphas").noconvert(), py::arg("material"),
+          py::arg("name"), py::arg("object"))
       .def("add_object",
            [](Scene& scene, const std::string& name) {
              return scene.Use([&](api::Scene& s) { return s.AddObject(name); });

@@ -47,6 +47,9 @@ struct ReadOptions {
   std::size_t max_triangles = std::size_t{1} << 27;
   InstanceUse instances = InstanceUse::kAuto;
   std::size_t max_instances = kMaxInstances;  // files with more are refused
+  // Diameter of the spheres and tubes that stand for points and lines, in units of their mesh.
+  // Unset: they are left out.
+  std::optional<float> point_size;
   // The moment at which an animated scene is read, frame / fps [s]. Unset: nodes are where the file
   // puts them without its animations.
   std::optional<double> frame;

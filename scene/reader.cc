@@ -19,6 +19,7 @@
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
+#include "scene/shapes/points.h"
 #include "scene/warnings.h"
 
 namespace skywave {
@@ -33,7 +34,16 @@ std::string LowerCaseEnding(std::filesystem::path path) {
 
 Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   PlyReport report;
-  Mesh mesh = ReadPly(path, &report);
+  Mesh mesh = ReadPlyPoints(path, &report);
+  if (mesh.triangles.empty() && !options.point_size) {
+    throw InputError(
+        InputPosition::File(path),
+        fmt::format("has {} vertices and no faces: `point-size {:g}` shows them as spheres",
+                    mesh.positions.size(), PointSizeFor(mesh.positions)));
+  }
+  if (mesh.triangles.empty()) {
+    mesh = MakePoints(mesh, AllPoints(mesh), *options.point_size, options.max_triangles, path);
+  }
   Warnings warnings = MakeWarnings(options);
   const auto position = InputPosition::File(path);
   WarnOfPly(report, position, warnings);

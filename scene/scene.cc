@@ -13,8 +13,6 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr Bounds kNoBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
 
-bool IsEmpty(const Bounds& bounds) { return bounds.low.x > bounds.high.x; }
-
 // Only positions used by triangles count, because others are not seen and must not move a camera.
 Bounds MeshBounds(const std::vector<Mesh>& meshes) {
   Bounds bounds = kNoBounds;
@@ -30,6 +28,8 @@ Bounds MeshBounds(const std::vector<Mesh>& meshes) {
 }
 
 }  // namespace
+
+bool IsEmpty(const Bounds& bounds) { return bounds.low.x > bounds.high.x; }
 
 Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box) {
   Bounds moved = kNoBounds;
@@ -62,12 +62,17 @@ bool HasHoldouts(const Scene& scene) {
                      [](const Material& material) { return material.holdout; });
 }
 
-Bounds SceneBounds(const Scene& scene, const std::string& path) {
+Bounds TriangleBounds(const Scene& scene) {
   Bounds bounds = MeshBounds(scene.meshes);
   for (const Bounds& box : InstanceBounds(scene)) {
     bounds.low = glm::min(bounds.low, box.low);
     bounds.high = glm::max(bounds.high, box.high);
   }
+  return bounds;
+}
+
+Bounds SceneBounds(const Scene& scene, const std::string& path) {
+  const Bounds bounds = TriangleBounds(scene);
   if (!IsEmpty(bounds)) return bounds;
   if (scene.environments.empty()) {
     std::string reason = "has no triangle to render";

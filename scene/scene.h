@@ -159,6 +159,10 @@ struct RenderSettings {
   std::optional<CropFractions> crop;   // the part that is rendered
 };
 
+struct Bounds {
+  glm::vec3 low, high;
+};
+
 struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Object> objects;
@@ -181,7 +185,10 @@ struct Scene {
   // True if the world's axes are left-handed (pbrt's are). A map given on the command line is laid
   // the other way round then, so that it is never seen mirrored.
   bool left_handed = false;
-  char up_axis = 'y';                 // 'x', 'y' or 'z': up of --env and of automatic framing
+  char up_axis = 'y';  // 'x', 'y' or 'z': up of --env and of automatic framing
+  // Of an animated scene at its frame 0. They place what must not move with it: a ground, and a
+  // camera that the file does not have.
+  std::optional<Bounds> first_bounds;
   std::vector<std::string> warnings;  // "file:line: what is not supported and what happens instead"
   std::vector<std::string> notes;     // "file:line: what has no effect on the picture"
 };
@@ -190,15 +197,16 @@ struct Scene {
 bool HasCatchers(const Scene& scene);
 bool HasHoldouts(const Scene& scene);
 
-struct Bounds {
-  glm::vec3 low, high;
-};
 // Returns the box around `box` after the affine `to`.
 Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box);
 // Returns the boxes around the instances, each of them that of its object's box. Those of objects
 // without a triangle are left out.
 std::vector<Bounds> InstanceBounds(const Scene& scene);
-// Returns the smallest axis-aligned box around all meshes and InstanceBounds. Where there is no
+// Whether nothing is inside, as of a scene without a triangle.
+bool IsEmpty(const Bounds& bounds);
+// Returns the smallest axis-aligned box around all meshes and InstanceBounds, which may be empty.
+Bounds TriangleBounds(const Scene& scene);
+// Returns TriangleBounds. Where there is no
 // triangle, a file that has an infinite light gets a box around the origin, and another one
 // InputError(path).
 Bounds SceneBounds(const Scene& scene, const std::string& path);

@@ -186,6 +186,12 @@ def cube_obj():
     return "\n".join(lines) + "\n"
 
 
+def cloud_ply():
+    points = "".join("%d %d %d\n" % corner for corner in CUBE_CORNERS)
+    return ("ply\nformat ascii 1.0\n" + f"element vertex {len(CUBE_CORNERS)}\n"
+            + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n" + points)
+
+
 def pbrt_mesh():
     points = " ".join("%d %d %d" % corner for corner in CUBE_CORNERS)
     indices = " ".join("%d %d %d" % triangle for triangle in CUBE)
@@ -224,6 +230,7 @@ def make_stand_ins(program, folder):
     for name in ("probe.hdr", "sky.hdr", "probe.exr", "sky.exr"):
         run("probe", "convert", "map.pfm", name, "--to", "latlong")
     (folder / "model.obj").write_text(cube_obj())
+    (folder / "cloud.ply").write_text(cloud_ply())
     (folder / "bunny.ply").write_text(cube_ply())
     (folder / "helmet.glb").write_bytes(cube_glb())
     (folder / "scene.pbrt").write_text(

@@ -53,6 +53,19 @@ class Scene:
         normals: ArrayLike | None = None,
         uvs: ArrayLike | None = None,
         colors: ArrayLike | None = None,
+        alphas: ArrayLike | None = None,
+        material: int = 0,
+        name: str = "",
+        object: int | None = None,
+    ) -> Scene: ...
+    def add_points(
+        self,
+        points: ArrayLike,
+        size: float,
+        *,
+        lines: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        alphas: ArrayLike | None = None,
         material: int = 0,
         name: str = "",
         object: int | None = None,
@@ -110,8 +123,12 @@ class Picture:
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def _repr_png_(self) -> bytes: ...
 
-def from_trimesh(source: Any, *, up: Literal["x", "y", "z"] = "y") -> Scene: ...
-def from_open3d(source: Any, *, up: Literal["x", "y", "z"] = "y") -> Scene: ...
+def from_trimesh(
+    source: Any, *, up: Literal["x", "y", "z"] = "y", point_size: float | None = None
+) -> Scene: ...
+def from_open3d(
+    source: Any, *, up: Literal["x", "y", "z"] = "y", point_size: float | None = None
+) -> Scene: ...
 def from_pyvista(
     source: Any,
     *,

@@ -98,11 +98,19 @@ def rows(values, argument, columns):
     return _float32(array)
 
 
-def triangles(values, argument, vertices):
-    """Returns an array of shape (n, 3), uint32; `vertices` is the number of them."""
+def column(values, argument):
+    """Returns an array of shape (n,), float32."""
+    array = _array(values, argument, "fiu", "numbers")
+    if array.ndim != 1:
+        raise bad_argument(argument, f"its shape is {array.shape}, and (n,) is needed")
+    return _float32(array)
+
+
+def indices(values, argument, columns, vertices):
+    """Returns an array of shape (n, columns), uint32; `vertices` is the number of them."""
     array = _array(values, argument, "iu", "whole numbers")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise bad_argument(argument, f"its shape is {array.shape}, and (n, 3) is needed")
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise bad_argument(argument, f"its shape is {array.shape}, and (n, {columns}) is needed")
     # Indices that do not fit would wrap around to others.
     wrong = (array < 0) | (array > _MOST_INDEX)
     if wrong.any():

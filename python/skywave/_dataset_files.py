@@ -1,7 +1,11 @@
-"""Files of data sets: HDF5 containers as BlenderProc has them, folders of BOP, cameras of NeRF."""
+"""Files of data sets: masks, depths and flow, HDF5 containers as BlenderProc has them, folders of
+BOP, cameras of NeRF."""
+import contextlib
 import json
 import os
 import pathlib
+import struct
+import zlib
 
 import numpy
 
@@ -10,10 +14,89 @@ from ._camera import FLIP
 from ._color import bytes_of, srgb
 from ._errors import as_file_error, bad_argument
 
+_FAR = 1e10  # depth where nothing is hit
+_MOST = 65535
 # Layers by their names in a container. Normals are in [0, 1] there, as in a PNG.
 _CONTAINED = {"depth": "depth", "distance": "distance", "camera-normal": "normals",
               "object-id": "instance_segmaps", "flow": "forward_flow",
               "flow-back": "backward_flow"}
+
+
+def write_png16(path, values):
+    """Writes whole numbers (height, width) of at most 65535 as a grey PNG of 16 bits."""
+    values = numpy.asarray(values)
+    if values.ndim != 2 or values.size == 0:
+        raise bad_argument("values", f"its shape is {values.shape}, and (height, width) is needed")
+    if not (values.min() >= 0 and values.max() <= _MOST and (values == numpy.rint(values)).all()):
+        raise bad_argument("values", f"a PNG of 16 bits holds whole numbers from 0 to {_MOST}")
+    _write_grey(path, values.astype(">u2"))
+
+
+def write_mask(path, mask):
+    """Writes a mask (height, width) as a grey PNG of 8 bits: 255 where it is true, else 0."""
+    _write_grey(path, numpy.where(numpy.asarray(mask, dtype=bool), 255, 0).astype(numpy.uint8))
+
+
+def _write_grey(path, values):
+    height, width = values.shape
+    size = values.dtype.itemsize
+    lines = numpy.zeros((height, 1 + size * width), dtype=numpy.uint8)  # filter 0 before each
+    lines[:, 1:] = numpy.ascontiguousarray(values).view(numpy.uint8)
+
+    def chunk(kind, body):
+        return (struct.pack(">I", len(body)) + kind + body
+                + struct.pack(">I", zlib.crc32(kind + body)))
+
+    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height,
+                                                              8 * size, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b""))
+    name = _convert.path(path, "path")
+    with as_file_error(name), open(name, "wb") as file:
+        file.write(data)
+
+
+def write_depth(path, depth, unit=0.001):
+    """Writes the layer `depth` or `distance` as a PNG of 16 bits in steps of `unit`, 0 where
+    nothing is hit; with lengths in metres the steps are millimetres. Raises Error if a depth does
+    not fit.
+    """
+    write_png16(path, _depth_steps(depth, unit))
+
+
+def _depth_steps(depth, unit):
+    depth = numpy.asarray(depth, dtype=float)
+    steps = numpy.where(depth < _FAR, numpy.rint(depth / unit), 0)
+    if steps.max(initial=0) > _MOST:
+        needed = depth[depth < _FAR].max() / _MOST
+        raise bad_argument("unit", f"a depth of {depth[depth < _FAR].max():g} is more than {_MOST} "
+                                   f"steps of {unit:g}: take at least {needed:.3g}")
+    return steps
+
+
+def write_flow(path, flow):
+    """Writes the layer flow or flow-back (height, width, 3) as a .flo file of Middlebury (Baker et
+    al. 2011): the motion of each pixel, 1e10 where it is not known."""
+    flow = numpy.asarray(flow)
+    if flow.ndim != 3 or flow.shape[2] != 3:
+        raise bad_argument("flow", f"its shape is {flow.shape}, and (height, width, 3) is needed")
+    motion = numpy.where(flow[..., 2:] > 0, flow[..., :2], _FAR).astype("<f4")
+    name = _convert.path(path, "path")
+    with as_file_error(name), open(name, "wb") as file:
+        file.write(b"PIEH" + struct.pack("<ii", flow.shape[1], flow.shape[0]) + motion.tobytes())
+
+
+@contextlib.contextmanager
+def _replacing(path):
+    """Gives the name of a file that takes the place of `path` at the end of the block, and that is
+    removed if the block raises; an OSError becomes a FileError."""
+    part = f"{path}.{os.getpid()}.part"
+    with as_file_error(path):
+        try:
+            yield part
+            os.replace(part, path)
+        finally:
+            if os.path.exists(part):
+                os.remove(part)
 
 
 def write_hdf5(path, picture, *, exposure=0):
@@ -29,22 +112,13 @@ def write_hdf5(path, picture, *, exposure=0):
     for layer, name in _CONTAINED.items():
         if layer in picture.layers:
             data[name] = _contained(layer, picture.layers[layer])
-    names = os.fsdecode(_convert.path(path, "path"))
-    part = f"{names}.{os.getpid()}.part"
-    with as_file_error(os.fsencode(names)):
-        try:
-            with h5py.File(part, "w") as file:
-                for name, values in data.items():
-                    file.create_dataset(name, data=values, compression="gzip")
-                if "object-id" in picture.layers:
-                    instances = [{"idx": i, "name": name}
-                                 for i, name in enumerate(picture.object_names, 1)]
-                    file.create_dataset("instance_attribute_maps",
-                                        data=numpy.bytes_(json.dumps(instances)))
-            os.replace(part, names)
-        finally:
-            if os.path.exists(part):
-                os.remove(part)
+    with _replacing(os.fsdecode(_convert.path(path, "path"))) as part, h5py.File(part, "w") as file:
+        for name, values in data.items():
+            file.create_dataset(name, data=values, compression="gzip")
+        if "object-id" in picture.layers:
+            instances = [{"idx": i, "name": name} for i, name in enumerate(picture.object_names, 1)]
+            file.create_dataset("instance_attribute_maps",
+                                data=numpy.bytes_(json.dumps(instances)))
 
 
 def _contained(layer, values):
@@ -57,10 +131,8 @@ def _contained(layer, values):
 
 
 def _write_json(path, content):
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    with as_file_error(os.fsencode(path)):
-        part.write_text(json.dumps(content, indent=1) + "\n")
-        os.replace(part, path)
+    with _replacing(os.fspath(path)) as part, open(part, "w", encoding="utf-8") as file:
+        file.write(json.dumps(content, indent=1) + "\n")
 
 
 def _pose(matrix, argument):
@@ -86,15 +158,14 @@ class Bop:
         self.millimetres, self.depth_scale = 1000 * metres, depth_scale
         self.cameras, self.objects = {}, {}
         for name in ("rgb", "depth", "mask_visib"):
-            (self.folder / name).mkdir(parents=True, exist_ok=True)
+            with as_file_error(os.fsencode(self.folder / name)):
+                (self.folder / name).mkdir(parents=True, exist_ok=True)
 
     def add(self, picture, camera, poses):
         """Adds a picture with the layers object-id and depth that a Camera has seen; returns its
         number. `poses` has for names of objects their number in BOP and world_from_model (4, 4);
         objects of other names are not annotated, and those that the picture does not show are left
         out."""
-        from .annotations import write_depth, write_mask
-
         for layer in ("object-id", "depth"):
             if layer not in picture.layers:
                 raise bad_argument("picture", f"it has no layer {layer}: render with "
@@ -103,6 +174,11 @@ class Bop:
         if unknown:
             raise bad_argument("poses", f"the picture has no object '{sorted(unknown)[0]}', but "
                                         f"{', '.join(picture.object_names)}")
+        if (picture.width, picture.height) != tuple(camera.size):
+            raise bad_argument("camera", f"its pictures are of {camera.size[0]} x {camera.size[1]} "
+                                         f"pixels, and this one is of {picture.width} x "
+                                         f"{picture.height}")
+        steps = _depth_steps(picture.layers["depth"], self.depth_scale / self.millimetres)
         world_from_camera = _pose(camera.world_from_camera, "camera")
         camera_from_world = numpy.linalg.inv(world_from_camera)
         seen = []
@@ -113,8 +189,7 @@ class Bop:
                 seen.append((mask, int(kind), camera_from_world @ _pose(world_from_model, name)))
         image = len(self.cameras)
         picture.save(self.folder / "rgb" / f"{image:06}.png")
-        write_depth(self.folder / "depth" / f"{image:06}.png", picture.layers["depth"],
-                    unit=self.depth_scale / self.millimetres)
+        write_png16(self.folder / "depth" / f"{image:06}.png", steps)
         for i, (mask, _, _) in enumerate(seen):
             write_mask(self.folder / "mask_visib" / f"{image:06}_{i:06}.png", mask)
         self.cameras[image] = {

@@ -2,6 +2,10 @@
 import contextlib
 import os
 import re
+import sys
+import warnings
+
+_PACKAGE = os.path.dirname(__file__) + os.sep
 
 
 class Error(ValueError):
@@ -54,6 +58,14 @@ def as_file_error(name):
     except OSError as error:
         place = os.fsdecode(name)
         raise FileError(f"{place}: {error.strerror or error}", "io", place) from None
+
+
+def left_out(what):
+    """Warns of what a picture will not have, at the line of the caller outside of the package."""
+    level, frame = 1, sys._getframe(1)
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(what, stacklevel=level + 1)
 
 
 def bad_argument(argument, reason):

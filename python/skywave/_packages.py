@@ -5,7 +5,7 @@ import numpy
 from . import _convert
 from ._camera import FLIP, Camera
 from ._color import linear
-from ._errors import bad_argument
+from ._errors import bad_argument, left_out
 from ._scene import Scene
 
 # The colour of what has none in trimesh.
@@ -64,7 +64,8 @@ class Materials:
 
 def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, roughness=1.0,
                        color_image=None, roughness_image=None, normal_image=None,
-                       emission=(0, 0, 0), emission_image=None, alpha_mode="OPAQUE", cutoff=0.5):
+                       emission=(0, 0, 0), emission_image=None, alpha_mode="OPAQUE", cutoff=0.5,
+                       one_sided=False):
     """Adds a material of glTF 2.0, section 3.9; `color` and `emission` are linear."""
     scene = materials.scene
     color = numpy.asarray(color, float)
@@ -75,6 +76,7 @@ def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, 
         "alpha": max(float(roughness) ** 2, 1e-3),
         "color_texture": texture,
         "roughness_texture": materials.texture(roughness_image, srgb=False)[0],
+        "one_sided": one_sided,
     }
     if normal_image is not None:
         parameters["normal_texture"] = scene.add_texture(_fractions(normal_image)[..., :3],
@@ -90,12 +92,27 @@ def metallic_roughness(materials, *, name="", color=(1, 1, 1, 1), metallic=1.0, 
     return scene.add_material("metallic-roughness", name=name, **parameters)
 
 
-def _add(scene, materials, mesh, name, number):
-    """Adds a trimesh.Trimesh to the object `number` of a scene."""
+def _add(scene, materials, mesh, name, number, point_size):
+    """Adds a geometry of trimesh to the object `number` of a scene."""
+    if not hasattr(mesh, "faces"):
+        if not hasattr(mesh, "vertices"):
+            raise bad_argument("source", f"{type(mesh).__name__} has no triangles and no points")
+        lines, colors = None, getattr(mesh, "colors", None)
+        if hasattr(mesh, "entities"):  # a path
+            colors = None
+            lines = numpy.concatenate(
+                [numpy.stack([entity.nodes[:, 0], entity.nodes[:, 1]], axis=1)
+                 for entity in mesh.entities])
+        colors = _fractions(colors) if colors is not None and len(colors) else None
+        points = numpy.asarray(mesh.vertices, float)
+        if points.shape[1] == 2:
+            points = numpy.pad(points, ((0, 0), (0, 1)))
+        _add_cloud(scene, points, colors, point_size, name, lines, number)
+        return
     vertices, faces = mesh.vertices, mesh.faces
     # trimesh would compute those that no file gave, smooth across edges.
     normals = mesh.vertex_normals if "vertex_normals" in mesh._cache.cache else None
-    uvs, colors, opacity, material = None, None, 1.0, None
+    uvs, colors, alphas, material = None, None, None, None
     visual = mesh.visual
     kind = getattr(visual, "kind", None)
     if kind == "texture":
@@ -107,12 +124,12 @@ def _add(scene, materials, mesh, name, number):
             (vertices, normals), faces = _corners(vertices, faces, normals)
             rgba = numpy.repeat(rgba, 3, axis=0)
         colors = linear(rgba[:, :3])
-        opacity = float(rgba[:, 3].mean())
+        alphas = rgba[:, 3] if (rgba[:, 3] < 1).any() else None
     if material is None:
-        material = scene.add_material("metallic-roughness", alpha=1, metallic=0, opacity=opacity,
+        material = scene.add_material("metallic-roughness", alpha=1, metallic=0,
                                       reflectance=0.5 if colors is None else 1, name=name)
-    scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, material=material,
-                   name=name, object=number)
+    scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, alphas=alphas,
+                   material=material, name=name, object=number)
 
 
 def _trimesh_material(materials, visual):
@@ -144,6 +161,9 @@ def add_light(scene, light, pose):
     """Adds a light of trimesh or pyrender at a pose (4, 4), whose -z it looks along."""
     color = _fractions(light.color)[:3] * light.intensity
     kind = type(light).__name__
+    if getattr(light, "range", None):
+        left_out(f"the {kind} '{light.name or ''}' has a range of {light.range:g}, which is not "
+                 "used: light falls off by the square of the distance alone")
     if kind == "DirectionalLight":
         scene.add_distant_light(pose[:3, 2], color)
     elif kind == "SpotLight":
@@ -153,29 +173,39 @@ def add_light(scene, light, pose):
         scene.add_point_light(pose[:3, 3], color)
 
 
-def from_trimesh(source, *, up="y"):
+def _add_cloud(scene, points, colors, size, name, lines=None, object=None):
+    """Adds points, or lines between them, of the colours (n, 3 or 4) of sRGB in [0, 1] or None."""
+    if size is None:
+        raise bad_argument("point_size", f"{name} has points or lines, which need a diameter")
+    material = scene.add_material("lambert", reflectance=0.5 if colors is None else 1, name=name)
+    alphas = colors[:, 3] if colors is not None and colors.shape[1] == 4 else None
+    scene.add_points(points, size, lines=lines,
+                     colors=None if colors is None else linear(colors[:, :3]),
+                     alphas=None if alphas is None or (alphas == 1).all() else alphas,
+                     material=material, name=name, object=object)
+
+
+def from_trimesh(source, *, up="y", point_size=None):
     """Returns a Scene of a trimesh.Trimesh or trimesh.Scene.
 
     Transforms (what is seen several times is shared), PBR and simple materials with their textures,
     colours of vertices and faces, the normals that a file had or that the mesh has been asked for,
     the camera and the lights are taken.
-    `up` is the axis that is up: "z" for most STL files. The alpha of colours of vertices and faces
-    counts by its mean over the mesh. Point clouds and paths raise Error.
+    `up` is the axis that is up: "z" for most STL files. Point clouds, and the lines of paths, are
+    spheres and tubes of the diameter `point_size`, without which they raise Error.
     """
     scene = Scene().set_up(up)
     materials = Materials(scene)
     if not hasattr(source, "graph"):
-        _require_faces(source)
-        _add(scene, materials, source, "mesh", None)
+        _add(scene, materials, source, "mesh", None, point_size)
         return scene
     places = {}
     for node in source.graph.nodes_geometry:
         pose, name = source.graph[node]
         places.setdefault(name, []).append(pose)
     for name, poses in places.items():
-        _require_faces(source.geometry[name])
         number = scene.add_object(name)
-        _add(scene, materials, source.geometry[name], name, number)
+        _add(scene, materials, source.geometry[name], name, number, point_size)
         scene.add_instances(number, numpy.stack(poses))
     if source.has_camera:
         camera = source.camera
@@ -188,17 +218,14 @@ def from_trimesh(source, *, up="y"):
     return scene
 
 
-def _require_faces(mesh):
-    if not (hasattr(mesh, "faces") and hasattr(mesh, "visual")):
-        raise bad_argument("source", f"{type(mesh).__name__} has no triangles")
-
-
-def from_open3d(source, *, up="y"):
-    """Returns a Scene of an open3d.geometry.TriangleMesh, a list of them or a TriangleMeshModel.
+def from_open3d(source, *, up="y", point_size=None):
+    """Returns a Scene of an open3d.geometry.TriangleMesh, PointCloud or LineSet, a list of them, or
+    a TriangleMeshModel.
 
     Normals and colours of vertices, coordinates and textures of triangles, and of the materials of
-    a model (open3d.io.read_triangle_model) colour, metal and roughness with their textures and
-    normal maps are taken.
+    a model (open3d.io.read_triangle_model) colour, alpha, emission, metal and roughness with their
+    textures and normal maps are taken. What else a material has is a warning. Points and lines are
+    spheres and tubes of the diameter `point_size`, with the colours of points.
     """
     scene = Scene().set_up(up)
     materials = Materials(scene)
@@ -208,10 +235,26 @@ def from_open3d(source, *, up="y"):
             _add_open3d(scene, materials, part.mesh, part.mesh_name, record)
         return scene
     for number, mesh in enumerate(source if isinstance(source, (list, tuple)) else [source]):
-        if not hasattr(mesh, "triangles"):
-            raise bad_argument("source", f"{type(mesh).__name__} has no triangles")
-        _add_open3d(scene, materials, mesh, f"mesh {number}", None)
+        if hasattr(mesh, "triangles"):
+            _add_open3d(scene, materials, mesh, f"mesh {number}", None)
+        elif hasattr(mesh, "points"):
+            points, lines = numpy.asarray(mesh.points), None
+            colors = numpy.asarray(mesh.colors) if mesh.has_colors() else None
+            if hasattr(mesh, "lines"):  # which have the colours, so each gets points of its own
+                points = points[numpy.asarray(mesh.lines).ravel()]
+                lines = numpy.arange(len(points)).reshape(-1, 2)
+                colors = None if colors is None else numpy.repeat(colors, 2, axis=0)
+            _add_cloud(scene, points, colors, point_size, f"mesh {number}", lines)
+        else:
+            raise bad_argument("source", f"{type(mesh).__name__} has no triangles and no points")
     return scene
+
+
+# Fields of its materials that no parameter of ours stands for, and what they are where nobody has
+# set them.
+_OPEN3D_UNUSED = {"base_reflectance": 0.5, "base_clearcoat": 0, "base_anisotropy": 0,
+                  "ao_img": None, "clearcoat_img": None, "anisotropy_img": None,
+                  "roughness_img": None, "metallic_img": None, "reflectance_img": None}
 
 
 def _add_open3d(scene, materials, mesh, name, record):
@@ -227,10 +270,17 @@ def _add_open3d(scene, materials, mesh, name, record):
         color_image, roughness_image, normal_image = (
             None if image is None else numpy.asarray(image)
             for image in (record.albedo_img, record.ao_rough_metal_img, record.normal_img))
+        unused = [field for field, plain in _OPEN3D_UNUSED.items()
+                  if getattr(record, field, plain) != plain]
+        if unused:
+            left_out(f"mesh '{name}': {', '.join(unused)} of its material "
+                     f"{'is' if len(unused) == 1 else 'are'} not used")
         material = metallic_roughness(
-            materials, name=name, color=record.base_color[:3], metallic=record.base_metallic,
+            materials, name=name, color=record.base_color, metallic=record.base_metallic,
             roughness=record.base_roughness, color_image=color_image,
-            roughness_image=roughness_image, normal_image=normal_image)
+            roughness_image=roughness_image, normal_image=normal_image,
+            emission=numpy.asarray(record.emissive_color)[:3],
+            alpha_mode="BLEND" if record.has_alpha else "OPAQUE")
         scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, material=material,
                        name=name)
         return

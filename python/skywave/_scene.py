@@ -47,16 +47,17 @@ class Scene:
         """The number of triangles."""
         return self._core.triangles()
 
-    def add_mesh(self, vertices, faces=None, *, normals=None, uvs=None, colors=None, material=0,
-                 name="", object=None):
+    def add_mesh(self, vertices, faces=None, *, normals=None, uvs=None, colors=None, alphas=None,
+                 material=0, name="", object=None):
         """Adds triangles: positions (n, 3) and indices (m, 3), counter-clockwise seen from outside.
 
         One object with `.vertices` and `.faces`, such as a trimesh.Trimesh, can stand for both.
         Without `normals` (n, 3), which may have any length but 0, shading is flat; those of such an
         object are not taken unless they are given. In `uvs` (n, 2), (0, 0) is the top left of an
-        image. `colors` (n, 3) are factors of the reflectance. `material` is a number that
-        add_material has returned. `name` appears in errors. With the number of an `object`, which
-        add_object has returned, the mesh is seen where that has instances.
+        image. `colors` (n, 3) are factors of the reflectance and `alphas` (n), in [0, 1], of the
+        opacity. `material` is a number that add_material has returned. `name` appears in errors.
+        With the number of an `object`, which add_object has returned, the mesh is seen where that
+        has instances.
         """
         if faces is None:
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
@@ -64,14 +65,33 @@ class Scene:
                                             ".vertices and .faces")
             vertices, faces = vertices.vertices, vertices.faces
         positions = _convert.rows(vertices, "vertices", 3)
-        arguments = (positions, _convert.triangles(faces, "faces", len(positions)),
+        arguments = (positions, _convert.indices(faces, "faces", 3, len(positions)),
                      None if normals is None else _convert.rows(normals, "normals", 3),
                      None if uvs is None else _convert.rows(uvs, "uvs", 2),
                      None if colors is None else _convert.rows(colors, "colors", 3),
+                     None if alphas is None else _convert.column(alphas, "alphas"),
                      _convert.index(material, "material"), _convert.text(name, "name"),
                      -1 if object is None else _convert.index(object, "object"))
         with renamed(positions="vertices", triangles="faces"):
             self._core.add_mesh(*arguments)
+        return self
+
+    def add_points(self, points, size, *, lines=None, colors=None, alphas=None, material=0,
+                   name="", object=None):
+        """Adds points (n, 3) as spheres of the diameter `size`, or with `lines` (m, 2), pairs of
+        their indices, tubes of that diameter with round ends.
+
+        All else is as for add_mesh. Points of colours are brighter on a material whose reflectance
+        is 1 than on material 0.
+        """
+        arguments = (_convert.rows(points, "points", 3), _convert.number(size, "size"),
+                     None if lines is None else _convert.indices(lines, "lines", 2, len(points)),
+                     None if colors is None else _convert.rows(colors, "colors", 3),
+                     None if alphas is None else _convert.column(alphas, "alphas"),
+                     _convert.index(material, "material"), _convert.text(name, "name"),
+                     -1 if object is None else _convert.index(object, "object"))
+        with renamed(positions="points", diameter="size"):
+            self._core.add_points(*arguments)
         return self
 
     def add_object(self, name=""):

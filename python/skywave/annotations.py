@@ -11,19 +11,14 @@ edges and share no pixel.
 """
 import fnmatch
 import json
-import struct
 import warnings
-import zlib
 
 import numpy
 
 from . import _convert
-from ._dataset_files import Bop, write_hdf5, write_transforms  # noqa: F401 (offered here)
+from ._dataset_files import (  # noqa: F401 (offered here)
+    Bop, write_depth, write_flow, write_hdf5, write_mask, write_png16, write_transforms)
 from ._errors import as_file_error, bad_argument
-
-_FAR = 1e10  # depth where nothing is hit
-_MOST = 65535
-
 
 def boxes(ids):
     """Returns (left, top, width, height) [pixels] of what each number but 0 covers, by number."""
@@ -61,64 +56,6 @@ def class_ids(ids, names, classes):
             if table[i] == 0 and any(fnmatch.fnmatchcase(name, p) for p in patterns):
                 table[i] = number
     return table[numpy.asarray(ids, dtype=numpy.int64)]
-
-
-def write_png16(path, values):
-    """Writes whole numbers (height, width) of at most 65535 as a grey PNG of 16 bits."""
-    values = numpy.asarray(values)
-    if values.ndim != 2 or values.size == 0:
-        raise bad_argument("values", f"its shape is {values.shape}, and (height, width) is needed")
-    if not (values.min() >= 0 and values.max() <= _MOST and (values == numpy.rint(values)).all()):
-        raise bad_argument("values", f"a PNG of 16 bits holds whole numbers from 0 to {_MOST}")
-    _write_grey(path, values.astype(">u2"))
-
-
-def write_mask(path, mask):
-    """Writes a mask (height, width) as a grey PNG of 8 bits: 255 where it is true, else 0."""
-    _write_grey(path, numpy.where(numpy.asarray(mask, dtype=bool), 255, 0).astype(numpy.uint8))
-
-
-def _write_grey(path, values):
-    height, width = values.shape
-    size = values.dtype.itemsize
-    lines = numpy.zeros((height, 1 + size * width), dtype=numpy.uint8)  # filter 0 before each
-    lines[:, 1:] = numpy.ascontiguousarray(values).view(numpy.uint8)
-
-    def chunk(kind, body):
-        return (struct.pack(">I", len(body)) + kind + body
-                + struct.pack(">I", zlib.crc32(kind + body)))
-
-    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height,
-                                                              8 * size, 0, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b""))
-    name = _convert.path(path, "path")
-    with as_file_error(name), open(name, "wb") as file:
-        file.write(data)
-
-
-def write_depth(path, depth, unit=0.001):
-    """Writes the layer `depth` or `distance` as a PNG of 16 bits in steps of `unit`, 0 where nothing
-    is hit; with lengths in metres the steps are millimetres. Raises Error if a depth does not fit.
-    """
-    depth = numpy.asarray(depth, dtype=float)
-    steps = numpy.where(depth < _FAR, numpy.rint(depth / unit), 0)
-    if steps.max(initial=0) > _MOST:
-        needed = depth[depth < _FAR].max() / _MOST
-        raise bad_argument("unit", f"a depth of {depth[depth < _FAR].max():g} is more than {_MOST} "
-                                   f"steps of {unit:g}: take at least {needed:.3g}")
-    write_png16(path, steps)
-
-
-def write_flow(path, flow):
-    """Writes the layer flow or flow-back (height, width, 3) as a .flo file of Middlebury (Baker et
-    al. 2011): the motion of each pixel, 1e10 where it is not known."""
-    flow = numpy.asarray(flow)
-    if flow.ndim != 3 or flow.shape[2] != 3:
-        raise bad_argument("flow", f"its shape is {flow.shape}, and (height, width, 3) is needed")
-    motion = numpy.where(flow[..., 2:] > 0, flow[..., :2], _FAR).astype("<f4")
-    name = _convert.path(path, "path")
-    with as_file_error(name), open(name, "wb") as file:
-        file.write(b"PIEH" + struct.pack("<ii", flow.shape[1], flow.shape[0]) + motion.tobytes())
 
 
 class Coco:

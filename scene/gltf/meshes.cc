@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "scene/gltf/buffers.h"
 #include "scene/shapes/mesh.h"
+#include "scene/shapes/points.h"
 
 namespace skywave {
 namespace {
@@ -103,10 +104,28 @@ void Morph(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
   }
 }
 
+// Returns the points or lines of a primitive whose mode has no triangles.
+PointsAndLines Strokes(const std::vector<std::uint32_t>& indices, int mode) {
+  if (mode == TINYGLTF_MODE_POINTS) return {.points = indices, .lines = {}};
+  PointsAndLines parts;
+  const std::size_t step = mode == TINYGLTF_MODE_LINE ? 2 : 1;
+  for (std::size_t i = 1; i < indices.size(); i += step) {
+    parts.lines.emplace_back(indices[i - 1], indices[i]);
+  }
+  if (mode == TINYGLTF_MODE_LINE_LOOP && indices.size() > 2) {
+    parts.lines.emplace_back(indices.back(), indices.front());
+  }
+  return parts;
+}
+
+bool HasTriangles(int mode) {
+  return mode >= TINYGLTF_MODE_TRIANGLES && mode <= TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
 Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
               const std::string& name, int mode, const std::vector<double>& weights,
-              const GltfSkin* skin, GltfMaterials& materials, const std::string& path,
-              Warnings& warnings) {
+              const GltfSkin* skin, const ReadOptions& options, GltfMaterials& materials,
+              const std::string& path, Warnings& warnings) {
   const GltfMaterial& material = materials.Of(primitive);
   Mesh mesh;
   mesh.name = name;
@@ -138,8 +157,12 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
       FailGltf(path, fmt::format("a primitive names vertex {} of {}", index, vertices));
     }
   }
-  mesh.triangles = Connect(indices, mode);
+  if (HasTriangles(mode)) mesh.triangles = Connect(indices, mode);
   if (skin != nullptr) SkinGltfMesh(model, primitive, *skin, path, mesh, warnings);
+  if (!HasTriangles(mode)) {
+    return MakePoints(mesh, Strokes(indices, mode), *options.point_size, options.max_triangles,
+                      path);
+  }
   if (!mesh.normals.empty()) NormalizeNormals(mesh);
   return mesh;
 }
@@ -148,8 +171,8 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
 
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
                                  const std::vector<double>& weights, const GltfSkin* skin,
-                                 GltfMaterials& materials, const std::string& path,
-                                 Warnings& warnings) {
+                                 const ReadOptions& options, GltfMaterials& materials,
+                                 const std::string& path, Warnings& warnings) {
   if (std::size_t(mesh) >= model.meshes.size())
     FailGltf(path, fmt::format("there is no mesh {}", mesh));
   const tinygltf::Mesh& from = model.meshes[std::size_t(mesh)];
@@ -157,8 +180,16 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
   std::vector<Mesh> meshes;
   for (const tinygltf::Primitive& primitive : from.primitives) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode < TINYGLTF_MODE_TRIANGLES || mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-      AddWarning(warnings, InputPosition::File(path), "points and lines are left out");
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+      AddWarning(warnings, InputPosition::File(path),
+                 fmt::format("mesh {} '{}' has a primitive of the mode {}, which is none of "
+                             "glTF's: left out",
+                             mesh, from.name, mode));
+      continue;
+    }
+    if (!HasTriangles(mode) && !options.point_size) {
+      AddWarning(warnings, InputPosition::File(path),
+                 "points and lines are left out: `point-size` shows them as spheres and tubes");
       continue;
     }
     if (!primitive.attributes.contains("POSITION")) {
@@ -168,7 +199,7 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
       continue;
     }
     meshes.push_back(
-        MakeMesh(model, primitive, name, mode, weights, skin, materials, path, warnings));
+        MakeMesh(model, primitive, name, mode, weights, skin, options, materials, path, warnings));
   }
   return meshes;
 }

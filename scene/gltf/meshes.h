@@ -8,18 +8,19 @@
 
 #include "scene/gltf/materials.h"
 #include "scene/gltf/skins.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
 #include "scene/warnings.h"
 
 namespace skywave {
 
-// Returns one mesh per primitive: triangles, strips and fans, moved by morph targets of these
-// weights and then, unless `skin` is null, by its joints, which put them in the world. Primitives
-// without normals are shaded flat, as glTF requires; those without positions are left out with a
-// warning. Throws InputError(path).
+// Returns one mesh per primitive: triangles, strips and fans, and points and lines where `options`
+// have a size for them, moved by morph targets of these weights and then, unless `skin` is null, by
+// its joints, which put them in the world. Triangles without normals are shaded flat, as glTF
+// requires; primitives without positions are left out with a warning. Throws InputError(path).
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
                                  const std::vector<double>& weights, const GltfSkin* skin,
-                                 GltfMaterials& materials, const std::string& path,
-                                 Warnings& warnings);
+                                 const ReadOptions& options, GltfMaterials& materials,
+                                 const std::string& path, Warnings& warnings);
 
 }  // namespace skywave

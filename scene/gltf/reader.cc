@@ -189,14 +189,14 @@ void AddCamera(const tinygltf::Model& model, std::size_t index, const glm::dmat4
 class MeshAdder {
  public:
   MeshAdder(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
-            GltfMaterials& materials, const std::string& path, std::size_t max_triangles,
+            GltfMaterials& materials, const std::string& path, const ReadOptions& options,
             Scene& scene, Warnings& warnings)
       : model_(model),
         poses_(poses),
         worlds_(WorldTransforms(model, poses)),
         materials_(materials),
         path_(path),
-        max_triangles_(max_triangles),
+        options_(options),
         scene_(scene),
         warnings_(warnings) {
     for (std::size_t i = 0; i < model.nodes.size(); ++i) {
@@ -255,11 +255,12 @@ class MeshAdder {
   }
 
   std::vector<Mesh> Read(const Shape& shape, const GltfSkin* skin = nullptr) {
-    std::vector<Mesh> meshes =
-        MakeGltfMeshes(model_, shape.first, shape.second, skin, materials_, path_, warnings_);
+    std::vector<Mesh> meshes = MakeGltfMeshes(model_, shape.first, shape.second, skin, options_,
+                                              materials_, path_, warnings_);
     for (const Mesh& mesh : meshes) triangles_ += mesh.triangles.size();
-    if (triangles_ > max_triangles_) {
-      FailGltf(path_, fmt::format("has more than {} triangles (`max-triangles`)", max_triangles_));
+    if (triangles_ > options_.max_triangles) {
+      FailGltf(path_,
+               fmt::format("has more than {} triangles (`max-triangles`)", options_.max_triangles));
     }
     return meshes;
   }
@@ -269,7 +270,7 @@ class MeshAdder {
   const std::vector<glm::dmat4> worlds_;
   GltfMaterials& materials_;
   const std::string& path_;
-  std::size_t max_triangles_;
+  const ReadOptions& options_;
   Scene& scene_;
   Warnings& warnings_;
   std::map<Shape, std::size_t> places_;  // how often it stands in the scene, at least
@@ -331,6 +332,19 @@ void DropVertexColors(Scene& scene) {
   for (Object& object : scene.objects) drop(object.meshes);
 }
 
+// Returns the bounds of the triangles at frame 0.
+Bounds BoundsAtFirstFrame(const tinygltf::Model& model, ReadOptions options,
+                          const std::string& path, GltfMaterials& materials) {
+  options.frame = 0;
+  options.strict = false;  // the scene itself says what is left out
+  Scene first;
+  Warnings unused = MakeWarnings(options);
+  const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, unused);
+  MeshAdder adder(model, poses, materials, path, options, first, unused);
+  AddNodes(model, Roots(model, options.scene, path), path, adder, first, unused);
+  return TriangleBounds(first);
+}
+
 }  // namespace
 
 Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options) {
@@ -345,11 +359,15 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
     materials.ChooseVariant(int(variant - scene.variants.begin()));
   }
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
-  MeshAdder adder(model, poses, materials, path, options.max_triangles, scene, warnings);
+  MeshAdder adder(model, poses, materials, path, options, scene, warnings);
   AddNodes(model, Roots(model, options.scene, path), path, adder, scene, warnings);
   if (options.vertex_colors == VertexColors::kOff) DropVertexColors(scene);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
+  if (!scene.animations.empty() && options.frame) {
+    const Bounds first = BoundsAtFirstFrame(model, options, path, materials);
+    if (!IsEmpty(first)) scene.first_bounds = first;
+  }
   if (!scene.animations.empty() && !options.frame) {
     AddNote(warnings, InputPosition::File(path),
             "is animated, and no frame is asked for: everything is left at rest");

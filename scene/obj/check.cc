@@ -77,6 +77,28 @@ bool CheckFace(ObjLines& lines, const std::vector<std::string_view>& words, Tabl
   return false;
 }
 
+// Reads a statement of points or of a line through several vertices.
+void ReadPointsOrLine(const ObjLines& lines, const std::vector<std::string_view>& words,
+                      Tables& tables, ObjStatements& statements) {
+  if (statements.parts_line == 0) statements.parts_line = lines.line;
+  std::vector<std::uint32_t> vertices;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    CheckCorner(lines, words[i], tables);
+    const std::string_view word = Corner(words[i]).position;
+    std::int64_t index = 0;
+    std::from_chars(word.data(), word.data() + word.size(), index);
+    vertices.push_back(std::uint32_t(index > 0 ? index - 1 : tables.positions.count + index));
+  }
+  PointsAndLines& parts = statements.parts;
+  if (words[0] == "p") {
+    parts.points.insert(parts.points.end(), vertices.begin(), vertices.end());
+    return;
+  }
+  for (std::size_t i = 1; i < vertices.size(); ++i) {
+    parts.lines.emplace_back(vertices[i - 1], vertices[i]);
+  }
+}
+
 // Writes the corners of all faces as tinyobjloader reads them: without indices of elements that the
 // file does not have, and without slashes that nothing follows.
 void RewriteCorners(ObjLines lines, const Tables& tables, std::string& text) {
@@ -148,6 +170,9 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
       } else if (seen.insert(name.name).second) {
         statements.materials.push_back(name);
       }
+    } else if (word == "p" || word == "l") {
+      ReadPointsOrLine(lines, words, tables, statements);
+      BlankOut(lines, WholeStatement(words));
     } else if (word == "t" || word == "vw") {
       // These are extensions of tinyobjloader, which trusts the counts in them.
       AddWarning(warnings, PositionOf(lines),

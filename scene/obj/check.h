@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scene/obj/lines.h"
+#include "scene/shapes/points.h"
 #include "scene/warnings.h"
 
 namespace skywave {
@@ -27,12 +28,14 @@ struct ObjStatements {
   std::vector<ObjName> materials;  // names after usemtl, each once
   bool has_smoothing = false;      // there is an `s`, so the file defines where it is smooth
   std::size_t faces = 0;
+  PointsAndLines parts;        // of the positions in the file
+  std::size_t parts_line = 0;  // the first one's
 };
 
 // Throws InputError with the line for words that are not finite numbers and indices out of range.
 // Adds warnings for what is left out, and blanks out in `lines` what tinyobjloader would take for
 // something else: its own statements, faces of fewer than three corners, indices of elements that
-// the file does not have.
+// the file does not have; also points and lines, which are read here.
 ObjStatements CheckObj(ObjLines& lines, Warnings& warnings);
 
 }  // namespace skywave

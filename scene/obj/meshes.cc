@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/shapes/mesh.h"
+#include "scene/shapes/points.h"
 #include "scene/shapes/smooth_normals.h"
 
 namespace skywave {
@@ -198,6 +199,29 @@ void BuildObjMeshes(const tinyobj::attrib_t& attributes,
         BuildMesh(source, std::span(order).subspan(first, last - first), finder));
     scene.meshes.back().name = scene.materials[scene.meshes.back().material].name;
   }
+}
+
+void BuildObjPoints(const tinyobj::attrib_t& attributes, const ObjStatements& statements,
+                    const ReadOptions& options, const std::string& path, Scene& scene,
+                    Warnings& warnings) {
+  Mesh vertices;
+  vertices.positions = Positions(attributes);
+  vertices.colors = Colors(attributes);
+  vertices.name = "points";
+  const bool named = statements.parts_line > 0;
+  const bool cloud = !named && statements.faces == 0 && !vertices.positions.empty();
+  if (!named && !cloud) return;
+  if (!options.point_size) {
+    AddWarning(warnings,
+               named ? InputPosition::Line(path, statements.parts_line) : InputPosition::File(path),
+               fmt::format("{} left out: `point-size {:g}` shows them",
+                           named ? "points and lines are" : "vertices without faces are",
+                           PointSizeFor(vertices.positions)));
+    return;
+  }
+  if (!vertices.colors.empty()) scene.materials[0].reflectance = glm::vec3(1);
+  scene.meshes.push_back(MakePoints(vertices, named ? statements.parts : AllPoints(vertices),
+                                    *options.point_size, options.max_triangles, path));
 }
 
 }  // namespace skywave

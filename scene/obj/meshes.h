@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "scene/obj/check.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
+#include "scene/warnings.h"
 
 namespace skywave {
 
@@ -16,5 +19,11 @@ namespace skywave {
 void BuildObjMeshes(const tinyobj::attrib_t& attributes,
                     const std::vector<tinyobj::shape_t>& shapes, bool has_smoothing,
                     const std::string& path, Scene& scene);
+
+// Appends the points and lines of a file, or all its vertices if it has no faces either, where
+// `options` have a size for them; else adds a warning.
+void BuildObjPoints(const tinyobj::attrib_t& attributes, const ObjStatements& statements,
+                    const ReadOptions& options, const std::string& path, Scene& scene,
+                    Warnings& warnings);
 
 }  // namespace skywave

@@ -124,6 +124,7 @@ Scene ParseObj(std::string text, const std::string& path, const ReadOptions& opt
   }
   if (options.vertex_colors == VertexColors::kOff) attributes.colors.clear();
   BuildObjMeshes(attributes, shapes, statements.has_smoothing, path, scene);
+  BuildObjPoints(attributes, statements, options, path, scene, warnings);
   SetRemarks(warnings, scene);
   return scene;
 }

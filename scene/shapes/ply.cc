@@ -351,18 +351,15 @@ const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
   return found;
 }
 
-}  // namespace
-
-Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report) {
+Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces, PlyReport* report) {
   PlyReport found;
   const PlyHeader header = ParsePlyHeader(bytes, path);
   const PlyElement* vertices = FindElement(header, "vertex", path);
   const PlyElement* faces = FindElement(header, "face", path);
   const PlyElement* strips = FindElement(header, "tristrips", path);
-  for (const auto& [element, name] :
-       {std::pair(vertices, "vertex"), std::pair(faces != nullptr ? faces : strips, "face")}) {
-    if (element) continue;
-    throw InputError(InputPosition::File(path), fmt::format("has no element '{}'", name));
+  if (vertices == nullptr) throw InputError(InputPosition::File(path), "has no element 'vertex'");
+  if (needs_faces && faces == nullptr && strips == nullptr) {
+    throw InputError(InputPosition::File(path), "has no element 'face'");
   }
   Data data{bytes, path, header.format, header.data_begin, header.lines + 1};
   Mesh mesh;
@@ -389,6 +386,20 @@ Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report
   found.polygons = faces != nullptr ? std::size_t(faces->count) : mesh.triangles.size();
   if (report != nullptr) *report = found;
   return mesh;
+}
+
+}  // namespace
+
+Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report) {
+  return Parse(bytes, path, /*needs_faces=*/true, report);
+}
+
+Mesh ParsePlyPoints(std::string_view bytes, const std::string& path, PlyReport* report) {
+  return Parse(bytes, path, /*needs_faces=*/false, report);
+}
+
+Mesh ReadPlyPoints(const std::string& path, PlyReport* report) {
+  return ParsePlyPoints(Gunzip(ReadFile(path), path), path, report);
 }
 
 Mesh ReadPly(const std::string& path, PlyReport* report) {

@@ -81,6 +81,12 @@ TEST(LibraryErrors, NameTheBadArray) {
        {"uvs", "7 values",
         mesh([](Square& s, api::MeshArrays& m) { m.uvs = std::span(s.uvs).first(7); })},
        {"uvs", "nan", mesh([](Square& s, api::MeshArrays&) { s.uvs[0] = kNan; })},
+       {"alphas", "8 values",
+        mesh([](Square& s, api::MeshArrays& m) { m.alphas = std::span(s.normals).first(8); })},
+       {"alphas", "not in [0, 1]", mesh([](Square& s, api::MeshArrays& m) {
+          s.normals.assign(12, 1.5f);
+          m.alphas = std::span(s.normals).first(4);
+        })},
        {"colors", "8 values",
         mesh([](Square& s, api::MeshArrays& m) { m.colors = std::span(s.normals).first(8); })},
        {"material", "number 7", mesh([](Square&, api::MeshArrays& m) { m.material = 7; })},

@@ -113,6 +113,20 @@ class FilesTest(Case):
         with self.assertRaisesRegex(skywave.Error, "plate: .*no rotation"):
             bop.add(picture, camera, {"plate": (1, 2 * model)})
 
+    def test_a_picture_that_bop_cannot_hold_leaves_nothing(self):
+        scene, camera = self.scene()
+        picture = skywave.render(scene, sky(), spp=1, aovs=["object-id", "depth"])
+        bop = annotations.Bop("far", metres=1000)
+        with self.assertRaisesRegex(skywave.Error, "more than 65535 steps"):
+            bop.add(picture, camera, {})
+        small = skywave.render(scene, sky(), spp=1, size=(20, 15), aovs=["object-id", "depth"])
+        with self.assertRaisesRegex(skywave.Error, "40 x 30 pixels, and this one is of 20 x 15"):
+            annotations.Bop("far").add(small, camera, {})
+        self.assertEqual([path for path in pathlib.Path("far").rglob("*") if path.is_file()], [])
+        pathlib.Path("file").write_text("")
+        with self.assertRaisesRegex(skywave.FileError, "file"):
+            annotations.Bop("file")
+
 
 class AnnotationsTest(Case):
     def picture(self, **options):

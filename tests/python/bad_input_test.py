@@ -49,6 +49,19 @@ class BadInputTest(Case):
         for value in (NAN, INFINITE, -INFINITE, 1e300):
             self.refuse("^vertices$", "nan|inf", add, changed(VERTICES, (3, 1), value, float), FACES)
 
+    def test_points(self):
+        add = skywave.Scene().add_points
+        self.refuse("^points$", r"shape is \(5, 2\)", add, VERTICES[:, :2], 0.1)
+        self.refuse("^points$", "nan", add, changed(VERTICES, (3, 1), NAN, float), 0.1)
+        for size in (0, -1, NAN, INFINITE):
+            self.refuse("^size$", "is no length", add, VERTICES, size)
+        self.refuse("^size$", "not a number", add, VERTICES, "wide")
+        self.refuse("^lines$", "point 5, and there are 5", add, VERTICES, 0.1, lines=[[0, 5]])
+        self.refuse("^lines$", r"\(n, 2\)", add, VERTICES, 0.1, lines=[[0, 1, 2]])
+        self.refuse("^alphas$", r"\(n,\)", add, VERTICES, 0.1, alphas=[[1]])
+        self.refuse("^alphas$", "4 values, and 5", add, VERTICES, 0.1, alphas=[1] * 4)
+        self.refuse("^alphas$", r"not in \[0, 1\]", add, VERTICES, 0.1, alphas=[1, 1, 1, 1, 2])
+
     def test_faces(self):
         add = skywave.Scene().add_mesh
         self.refuse("^faces$", r"shape is \(18,\)", add, VERTICES, FACES.ravel())

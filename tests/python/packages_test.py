@@ -4,6 +4,7 @@ import importlib
 import json
 import tempfile
 import unittest
+import warnings
 
 import numpy
 
@@ -106,6 +107,18 @@ class Trimesh(PackagesTest):
         albedo = look(skywave.from_trimesh(mesh)).layers["albedo"]
         numpy.testing.assert_allclose(albedo[20, 20], linear([128 / 255] * 3), atol=2e-3)
 
+    def test_alphas_of_vertices_are_their_own(self):
+        mesh = self.quad()
+        mesh.visual.vertex_colors = [[255, 255, 255, 0], [255, 255, 255, 255]] * 2
+        mesh.visual.vertex_colors[[0, 3], 3] = 0
+        mesh.visual.vertex_colors[[1, 2], 3] = 255
+        picture = skywave.render(skywave.from_trimesh(mesh).set_environment(WHITE), spp=256,
+                                 size=(40, 40), eye=(0, 0, 4), target=(0, 0, 0),
+                                 fov=2 * numpy.degrees(numpy.arctan(0.25)),
+                                 background="transparent", aovs=["alpha"])
+        numpy.testing.assert_allclose(picture.layers["alpha"].mean(axis=0)[2:-2],
+                                      ((numpy.arange(40) + 0.5) / 40)[2:-2], atol=0.02)
+
     def test_normals_are_smooth_where_a_file_gives_them(self):
         ball = self.trimesh.creation.icosphere(0)
         smooth = self.trimesh.Trimesh(ball.vertices, ball.faces, vertex_normals=ball.vertices,
@@ -149,8 +162,18 @@ class Trimesh(PackagesTest):
         self.assertAlmostEqual(red, 8 / 4 / numpy.pi, delta=0.1)
 
     def test_what_has_no_triangles_is_refused(self):
-        with self.assertRaisesRegex(skywave.Error, "PointCloud has no triangles"):
+        with self.assertRaisesRegex(skywave.Error, "point_size: mesh has points or lines"):
             skywave.from_trimesh(self.trimesh.PointCloud(QUAD))
+
+    def test_clouds_and_paths_have_a_size(self):
+        cloud = self.trimesh.PointCloud(QUAD / 2, colors=[[255, 0, 0, 255]] * 4)
+        picture = look(skywave.from_trimesh(cloud, point_size=0.4))
+        albedo = picture.layers["albedo"]
+        numpy.testing.assert_allclose(albedo[10, 10], [1, 0, 0], atol=1e-3)
+        self.assertEqual(picture.layers["object-id"][20, 20], 0)
+        path = self.trimesh.load_path([[[-0.8, 0, 0], [0.8, 0, 0]]])
+        ids = look(skywave.from_trimesh(path, point_size=0.2)).layers["object-id"]
+        self.assertEqual((ids[20, 20] > 0, ids[10, 20] > 0), (True, False))
 
 
 class Pyrender(PackagesTest):
@@ -199,8 +222,9 @@ class Pyrender(PackagesTest):
         rgba, _ = self.renderer.render(self.scene, flags.RGBA)
         numpy.testing.assert_array_equal(rgba[0, 0], [51, 102, 153, 128])
         self.assertEqual(rgba[30, left, 3], 255)
-        with self.assertRaisesRegex(skywave.Error, "FLAT"):
-            self.renderer.render(self.scene, flags.FLAT)
+        for flag in ("FLAT", "ALL_WIREFRAME", "FLIP_WIREFRAME"):
+            with self.assertRaisesRegex(skywave.Error, flag):
+                self.renderer.render(self.scene, getattr(flags, flag))
 
     def test_lights_and_instances(self):
         quad = self.trimesh.Trimesh(QUAD, QUAD_FACES, process=False)
@@ -230,7 +254,46 @@ class Pyrender(PackagesTest):
         self.assertAlmostEqual(columns.mean() + 0.5, 20, delta=0.3)
         self.assertAlmostEqual(rows.mean() + 0.5, 45, delta=0.3)
 
+    def test_backs_are_culled_unless_materials_have_two_sides(self):
+        def seen(double_sided, flags=0):
+            mesh = self.pyrender.Mesh.from_trimesh(
+                self.trimesh.Trimesh(QUAD, QUAD_FACES[:, ::-1], process=False), smooth=False)
+            mesh.primitives[0].material = self.pyrender.MetallicRoughnessMaterial(
+                doubleSided=double_sided)
+            node = self.scene.add(mesh)
+            depth = self.renderer.render(self.scene, self.pyrender.RenderFlags.DEPTH_ONLY | flags)
+            self.scene.remove_node(node)
+            return depth[30, 40] > 0
+
+        self.assertFalse(seen(False))
+        self.assertTrue(seen(True))
+        self.assertTrue(seen(False, self.pyrender.RenderFlags.SKIP_CULL_FACES))
+
+    def test_alphas_of_vertices_count(self):
+        mesh = self.trimesh.Trimesh(QUAD, QUAD_FACES, process=False)
+        mesh.visual.vertex_colors = [[255, 255, 255, 64]] * 4
+        self.scene.add(self.pyrender.Mesh.from_trimesh(mesh, smooth=False))
+        self.scene.bg_color = [0, 0, 0, 0]
+        rgba, _ = self.renderer.render(self.scene, self.pyrender.RenderFlags.RGBA)
+        self.assertAlmostEqual(rgba[20:40, 30:50, 3].mean(), 64, delta=6)
+
+    def test_what_is_left_out_is_a_warning(self):
+        node = self.ball()
+        node.mesh.primitives[0].material.wireframe = True
+        self.scene.add(self.pyrender.PointLight([1, 1, 1], 2, range=5, name="lamp"))
+        self.scene.main_camera_node.camera.zfar = 2.75
+        self.scene.main_camera_node.camera.znear = 2.625
+        with self.assertWarns(UserWarning) as caught:
+            self.renderer.render(self.scene)
+        said = " ".join(str(warning.message) for warning in caught.warnings)
+        for part in ("is a wireframe", "'lamp' has a range of 5", "znear of 2.625", "zfar of 2.75"):
+            self.assertIn(part, said)
+        self.assertEqual({warning.filename for warning in caught.warnings}, {__file__})
+
     def test_what_is_not_rendered_is_refused(self):
+        for name in ("aovs", "background", "size"):
+            with self.assertRaisesRegex(skywave.Error, f"{name}: the renderer sets it"):
+                type(self.renderer)(8, 8, **{name: "depth"})
         self.scene.add(self.pyrender.Mesh.from_points(QUAD))
         with self.assertRaisesRegex(skywave.Error, "points or lines"):
             self.renderer.render(self.scene)
@@ -295,11 +358,35 @@ class Open3d(PackagesTest):
         with tempfile.TemporaryDirectory() as folder:
             quad.export(folder + "/quad.glb")
             model = self.open3d.io.read_triangle_model(folder + "/quad.glb")
-        self.assert_quarters(look(skywave.from_open3d(model)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assert_quarters(look(skywave.from_open3d(model)))
+        record = model.materials[0]
+        record.base_clearcoat, record.base_anisotropy = 0.5, 0.25
+        record.emissive_color = [0, 2, 0, 1]
+        with self.assertWarnsRegex(UserWarning, "base_clearcoat, base_anisotropy of its material "
+                                                "are not used") as caught:
+            scene = skywave.from_open3d(model)
+        self.assertEqual(caught.filename, __file__)
+        self.assertGreater(look(scene).rgb[20, 20, 1], 2)
 
     def test_what_has_no_triangles_is_refused(self):
-        with self.assertRaisesRegex(skywave.Error, "PointCloud has no triangles"):
-            skywave.from_open3d(self.open3d.geometry.PointCloud())
+        with self.assertRaisesRegex(skywave.Error, "Image has no triangles and no points"):
+            skywave.from_open3d(self.open3d.geometry.Image())
+        cloud = self.open3d.geometry.PointCloud(self.open3d.utility.Vector3dVector(QUAD))
+        with self.assertRaisesRegex(skywave.Error, "point_size: mesh 0 has points or lines"):
+            skywave.from_open3d(cloud)
+
+    def test_clouds_and_lines_have_a_size(self):
+        vector = self.open3d.utility
+        cloud = self.open3d.geometry.PointCloud(vector.Vector3dVector(QUAD / 2))
+        cloud.paint_uniform_color([0.5, 0.25, 1])
+        lines = self.open3d.geometry.LineSet(vector.Vector3dVector([[-0.8, 0, 0], [0.8, 0, 0]]),
+                                             vector.Vector2iVector([[0, 1]]))
+        lines.colors = vector.Vector3dVector([[0, 1, 0]])
+        albedo = look(skywave.from_open3d([cloud, lines], point_size=0.2)).layers["albedo"]
+        numpy.testing.assert_allclose(albedo[10, 10], linear([0.5, 0.25, 1]), atol=2e-3)
+        numpy.testing.assert_allclose(albedo[20, 20], [0, 1, 0], atol=1e-3)
 
 
 class Cadquery(PackagesTest):

@@ -88,6 +88,26 @@ class SceneTest(Case):
         colors = numpy.tile(numpy.float32([0.5, 0.5, 0.5]), (5, 1))
         darker = render(skywave.Scene().add_mesh(VERTICES, FACES, colors=colors))
         self.assertLess(darker.sum(), pictures[0].sum())
+        thin = skywave.Scene().add_mesh(VERTICES, FACES, alphas=numpy.full(5, 0.25))
+        whole, quarter = (
+            skywave.render(each, sky(), **{**SMALL, "spp": 64}, background="transparent",
+                           aovs=["alpha"], integrator="direct").layers["alpha"].sum()
+            for each in (skywave.Scene().add_mesh(VERTICES, FACES), thin))
+        # A ray goes through one or two triangles.
+        self.assertGreater(quarter, 0.25 * whole)
+        self.assertLess(quarter, 0.45 * whole)
+
+    def test_points_and_lines_have_their_size(self):
+        scene = skywave.Scene().add_points([[-1, 0, 0]], 0.5, colors=[[1, 0, 0]])
+        scene.add_points([[0, 0, 0], [1, 0, 0]], 0.5, lines=[[0, 1]])
+        picture = skywave.render(scene, sky(), size=(60, 40), spp=16, eye=(0, 0, 100), fov=2.3,
+                                 target=(0, 0, 0), aovs=["coverage", "albedo"])
+        pixel = (2 * 100 * numpy.tan(numpy.radians(2.3 / 2)) / 40) ** 2
+        seen = picture.layers["coverage"].sum(axis=0) * pixel
+        ball = numpy.pi / 16
+        self.assertAlmostEqual(seen[:25].sum(), ball, delta=0.03 * ball)
+        self.assertAlmostEqual(seen[25:].sum(), ball + 0.5, delta=0.03 * (ball + 0.5))
+        self.assertEqual(picture.layers["albedo"][20, 15, 1], 0)
 
     def test_lights_and_camera(self):
         base = skywave.Scene().add_mesh(VERTICES, FACES).set_camera((0, 2, 5), (0, 0.5, 0), fov=30)

@@ -222,8 +222,9 @@ TEST(Obj, MaterialsMakeMeshes) {
 TEST(Obj, OtherStatementsAreNamedOnce) {
   const Scene scene = Parse(std::string(kSquare) + "l 1 2\nl 2 3\nf 1 2 3\ncstype bezier\no x\n");
   EXPECT_EQ(scene.warnings,
-            (std::vector<std::string>{"t.obj:5: 'l' is not supported: left out (2 times)",
-                                      "t.obj:8: 'cstype' is not supported: left out"}));
+            (std::vector<std::string>{
+                "t.obj:8: 'cstype' is not supported: left out",
+                "t.obj:5: points and lines are left out: `point-size 1` shows them"}));
 }
 
 TEST(Mtl, LambertIsTheDefault) {
