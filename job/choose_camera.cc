@@ -101,4 +101,9 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   return Orbited(camera, request.target.value_or(middle), request.orbit_degrees.value_or(0), scene);
 }
 
+Camera ChooseCamera(const PreparedScene& prepared, const JobRequest& request) {
+  return ChooseCamera(*prepared.scene, prepared.placing_bounds, request.camera,
+                      float(*request.width) / float(*request.height));
+}
+
 }  // namespace skywave

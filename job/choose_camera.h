@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "job/job_parts.h"
 #include "job/request.h"
 #include "scene/scene.h"
 
@@ -17,5 +18,7 @@ const Camera* SceneCamera(const Scene& scene, const std::string& name);
 // a field of view that the camera cannot have, and for a name that no camera of the scene has.
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
                     float aspect);
+// The same of a scene that is prepared for a resolved request.
+Camera ChooseCamera(const PreparedScene& prepared, const JobRequest& request);
 
 }  // namespace skywave

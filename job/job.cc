@@ -1,13 +1,13 @@
 #include "job/job.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 
+#include "base/arena.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/granted.h"
@@ -36,19 +36,6 @@ double Time(const Work& work) {
 
 // With this strategy light paths start where that of the camera paths cannot emit.
 constexpr char kEmitter[] = "importance";
-
-// Runs `work` with as many threads as the user allows.
-template <class Work>
-void RunOnThreads(int threads, const Work& work) {
-  tbb::task_arena arena(ThreadsFor(threads));
-  arena.execute(work);
-}
-
-// Returns the number of threads for Embree's device: 0, all of the machine, unless there is a
-// limit, because Embree holds the whole process to any other number as long as the device lives.
-int EmbreeThreads(int threads) {
-  return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
-}
 
 // Returns what the strategy of an integrator's camera paths is for.
 StrategyUse UseOf(const RenderOptions& options, std::uint32_t light_samples) {
@@ -158,7 +145,7 @@ float WorldExtent(const Bounds& bounds, const Camera& camera) {
 }  // namespace
 
 RenderJob::RenderJob(const JobRequest& request, JobCache* cache) {
-  RunOnThreads(request.options.threads, [&] {
+  ArenaOf(request.options.threads).execute([&] {
     std::optional<JobParts> parts;
     times_.load = Time([&] { parts.emplace(request, cache); });
     Build(std::move(*parts), request);
@@ -167,7 +154,7 @@ RenderJob::RenderJob(const JobRequest& request, JobCache* cache) {
 
 RenderJob::RenderJob(const SharedScene& scene, const JobRequest& request, double load_seconds) {
   times_.load = load_seconds;
-  RunOnThreads(request.options.threads, [&] { Build(JobParts(scene), request); });
+  ArenaOf(request.options.threads).execute([&] { Build(JobParts(scene), request); });
 }
 
 RenderJob::RenderJob(Scene scene, const JobRequest& request)
@@ -201,8 +188,8 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   notes_.insert(notes_.end(), light->notes.begin(), light->notes.end());
 
   sphere_ = BoundingSphere(prepared.whole_bounds);
-  PlaceCamera(*prepared.scene, prepared.bounds);
-  times_.build = Time([&] { geometry_ = parts.Build(request_, EmbreeThreads(options().threads)); });
+  PlaceCamera(prepared);
+  times_.build = Time([&] { geometry_ = parts.Build(request_); });
   PlaceLights(parts, *light);
   CheckLightPaths(options().integrator);
 
@@ -213,7 +200,11 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   times_.tables = Time([&] {
     BuildStrategies(parts, light);
     PlaceProjection(parts, *light);
-    PlaceMotion(parts);
+    if (NeedsMotion(options().aovs)) {
+      const NeighbourFrames beside = FindMotion(request_, parts, geometry_, camera_);
+      motion_ = beside.motion;
+      scene_hash_ ^= beside.hash;
+    }
   });
   // Light of a map comes into a closed room through edges alone. Openings that are given let it in,
   // and so does what light passes through.
@@ -261,12 +252,12 @@ void RenderJob::PlanComposites(const Scene& scene) {
   if (layers != 0 || options.of<LinkOptions>().count > 0) CheckResolved(request_);
 }
 
-void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
-  if (!scene.camera && !request_.camera.placed && !request_.camera.eye) {
+void RenderJob::PlaceCamera(const PreparedScene& prepared) {
+  if (!prepared.scene->camera && !request_.camera.placed && !request_.camera.eye) {
     notes_.push_back(request_.scene + ": has no camera; one that sees the whole scene is used");
   }
   const int width = *request_.width, height = *request_.height;  // of the whole film
-  scene_camera_ = ChooseCamera(scene, bounds, request_.camera, float(width) / float(height));
+  scene_camera_ = ChooseCamera(prepared, request_);
   filter_offsets_ = FilterOffsets(options().filter, options().filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options().filter_radius);
   filter_factors_ = FilterFactors(options().filter, options().filter_radius, filter_offsets_);
@@ -340,44 +331,6 @@ void RenderJob::PlaceProjection(const JobParts& parts, const LoadedLight& light)
                          .camera = scene_camera_,
                          .has_lamps = local_lights().view().count > std::size_t(of_objects)},
                         notes_);
-}
-
-// Finds the frames beside this one.
-void RenderJob::PlaceMotion(const JobParts& parts) {
-  if (!NeedsMotion(options().aovs)) return;
-  const auto refuse = [&](const std::string& reason) {
-    return OptionError("aovs", ToString(options().aovs), reason);
-  };
-  if (!request_.read.frame || parts.loaded().animations.empty()) {
-    throw refuse("flow is between frames: it needs `frame` and a scene that has an animation");
-  }
-  if (!HasPlaneFilm(camera_.kind)) {
-    throw refuse("flow needs a perspective or an orthographic camera");
-  }
-  motion_.next = MomentAt(parts, *request_.read.frame + 1, next_geometry_);
-  motion_.previous = MomentAt(parts, *request_.read.frame - 1, previous_geometry_);
-}
-
-// Returns the scene at a frame, of which it keeps the geometry in `geometry`.
-Moment RenderJob::MomentAt(const JobParts& parts, double frame,
-                           std::shared_ptr<const BuiltGeometry>& geometry) const {
-  JobRequest request = request_;
-  request.read.frame = frame;
-  JobParts other = parts.AtFrame(request);
-  other.Prepare(request);
-  geometry = other.Build(request, EmbreeThreads(options().threads));
-  const Geometry& then = geometry->geometry;
-  if (then.vertex_count() != geometry_->geometry.vertex_count() ||
-      then.instance_count() != geometry_->geometry.instance_count()) {
-    throw InputError(InputPosition::File(request.scene),
-                     fmt::format("has other vertices or instances at frame {:g} than at frame "
-                                 "{:g}, so there is no flow between them",
-                                 frame, *request_.read.frame));
-  }
-  const int width = *request_.width, height = *request_.height;
-  const Camera camera = ChooseCamera(*other.prepared().scene, other.prepared().bounds,
-                                     request_.camera, float(width) / float(height));
-  return {&then, MakeCameraView(camera, width, height, filter_offsets_.data(), request_.crop)};
 }
 
 // Whether light paths start at the map and the strategy of the camera paths cannot emit them.
@@ -470,7 +423,7 @@ RenderMethod RenderJob::MakeMethod(const std::string& specification, Integrator 
   CheckIntegrator(changed);
   CheckLightPaths(integrator);
   RenderMethod method = {.integrator = integrator, .strategy = nullptr, .emitter = nullptr};
-  RunOnThreads(options().threads, [&] {
+  ArenaOf(options().threads).execute([&] {
     method.strategy =
         MakeStrategy(specification, map_->map, UseOf(changed, LightSamplesOf(changed)));
     CheckStrategy(*method.strategy, specification, has_environment(), changed);

@@ -8,6 +8,7 @@
 
 #include "job/job_parts.h"
 #include "job/links.h"
+#include "job/motion.h"
 #include "job/projection.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
@@ -79,13 +80,10 @@ class RenderJob {
   void Build(JobParts parts, const JobRequest& request);
   // The steps of Build, in their order.
   void PlanComposites(const Scene& scene);
-  void PlaceCamera(const Scene& scene, const Bounds& bounds);
+  void PlaceCamera(const PreparedScene& prepared);
   void PlaceLights(const JobParts& parts, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const std::shared_ptr<const LoadedLight>& light);
   void PlaceProjection(const JobParts& parts, const LoadedLight& light);
-  void PlaceMotion(const JobParts& parts);
-  Moment MomentAt(const JobParts& parts, double frame,
-                  std::shared_ptr<const BuiltGeometry>& geometry) const;
   bool has_environment() const;
   bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;
   FrameView frame(Integrator integrator, const EnvStrategy& strategy,
@@ -105,10 +103,8 @@ class RenderJob {
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   ControlView control_;                              // that frames show, if there is irradiance_
   std::shared_ptr<const ProjectedPlace> place_;      // null: nothing is projected
-  // The frames beside this one, where layers ask for them.
-  std::shared_ptr<const BuiltGeometry> next_geometry_, previous_geometry_;
-  FrameMotion motion_;
-  std::shared_ptr<const StrategyTables> emitter_;  // of light paths; null: `strategy_` can emit
+  FrameMotion motion_;                               // where layers ask for it
+  std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_, filter_factors_;
   Camera scene_camera_;
   CameraView camera_;

@@ -113,7 +113,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     if (!request.energy_compensation) LeaveOutCompensation(*scene);
     scene->up_axis = request.environment.up_axis.value_or(scene->up_axis);
     if (request.ground != Ground::kNone) {
-      AddGround(*scene, prepared.bounds);
+      AddGround(*scene, scene->first_bounds.value_or(prepared.bounds));
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
     }
     if (request.ground == Ground::kCatcher) scene->materials.back().catcher = true;
@@ -123,8 +123,15 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     prepared.copy_bytes = BytesOf(*scene);
     prepared.scene = std::move(scene);
   }
+  prepared.placing_bounds = prepared.scene->first_bounds.value_or(prepared.bounds);
   prepared.content = SceneHashContent(*prepared.scene);
   return prepared;
+}
+
+// Returns the number of threads for Embree's device: 0, all of the machine, unless there is a
+// limit, because Embree holds the whole process to any other number as long as the device lives.
+int EmbreeThreads(int threads) {
+  return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
 }
 
 std::array<float, 9> Rows(const glm::mat3& columns) {
@@ -237,7 +244,8 @@ std::string JobParts::GeometryKey(const JobRequest& request, int threads) const 
                      NeedsUvs(request.options.aovs));
 }
 
-std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, int threads) const {
+std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request) const {
+  const int threads = EmbreeThreads(request.options.threads);
   // Scenes that differ in materials alone may share a BVH.
   const auto last = Get<LastMade<BuiltGeometry>>(
       fmt::format("{} triangles{} {}", scene_key_,

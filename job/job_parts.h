@@ -43,6 +43,7 @@ struct LoadedScene {
 struct PreparedScene {
   std::shared_ptr<const Scene> scene;
   Bounds bounds;               // without the ground
+  Bounds placing_bounds;       // where an animation begins: they place ground and cameras
   Bounds whole_bounds;         // with it
   SceneHashContent content;    // of the hash of its pictures
   std::size_t copy_bytes = 0;  // of the scene, unless it is that of a LoadedScene
@@ -153,7 +154,7 @@ class JobParts {
   void Prepare(const JobRequest& request);
   const PreparedScene& prepared() const { return *prepared_; }
   std::shared_ptr<const LoadedLight> Light(const JobRequest& request) const;
-  std::shared_ptr<const BuiltGeometry> Build(const JobRequest& request, int threads) const;
+  std::shared_ptr<const BuiltGeometry> Build(const JobRequest& request) const;
   std::shared_ptr<const BuiltLamps> Lamps(
       const JobRequest& request, const LoadedLight& light,
       const std::shared_ptr<const BuiltGeometry>& geometry) const;

@@ -114,6 +114,40 @@ TEST_F(Flow, IsTheMotionOfNodesAndCamera) {
   }
 }
 
+TEST_F(Flow, OfAGroundThatRestsIsNothing) {
+  JobRequest request = RequestOf(MovingScene());
+  request.ground = Ground::kGrey;
+  request.camera.eye = glm::vec3(5, 3, 5);
+  request.camera.target = glm::vec3(5, -1, 0);
+  const Layers layers = Resolve(RenderJob(request));
+  const float ground =
+      *std::max_element(layers.at("object-id.V").begin(), layers.at("object-id.V").end());
+  int seen = 0;
+  for (std::size_t i = 0; i < kSize * kSize; ++i) {
+    if (layers.at("object-id.V")[i] != ground) continue;
+    ++seen;
+    for (const std::string layer : {"flow", "flow-back"}) {
+      ASSERT_EQ(layers.at(layer + ".A")[i], 1) << i;
+      ASSERT_EQ(layers.at(layer + ".X")[i], 0) << i;
+      ASSERT_EQ(layers.at(layer + ".Y")[i], 0) << i;
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
+// The scene is the same at this moment, and the next frame is not.
+TEST_F(Flow, TellsFilmsOfOtherFrameLengthsApart) {
+  const auto hash = [&](double frame, double fps, const char* aovs) {
+    JobRequest request = RequestOf(MovingScene());
+    request.read.frame = frame, request.read.fps = fps;
+    request.options.aovs = ParseAovs(aovs).value();
+    return RenderJob(request).scene_hash();
+  };
+  EXPECT_EQ(hash(2, 2, "position"), hash(1, 1, "position"));
+  EXPECT_NE(hash(2, 2, "flow"), hash(1, 1, "flow"));
+  EXPECT_EQ(hash(1, 1, "flow"), hash(1, 1, "flow"));
+}
+
 TEST_F(Flow, ChangesNoBitOfThePicture) {
   JobRequest request = RequestOf(MovingScene());
   const Film with = Render(RenderJob(request));

@@ -2,12 +2,15 @@
 // parts frames have in common.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "image/image.h"
 #include "job/job.h"
 #include "job/map_sequence.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/render.h"
@@ -77,6 +80,42 @@ TEST_F(Frames, HaveNoiseOfTheirOwnUnlessItIsToBeCoherent) {
   EXPECT_TRUE(at(0.0, false) == at(-0.0, false));
   EXPECT_TRUE(at(1, true) == without);
   EXPECT_TRUE(at(2, true) == without);
+}
+
+// A triangle that is one unit wide at frame 0 rises and grows.
+GltfDocument RisingTriangle() {
+  GltfDocument document = TriangleDocument();
+  document.json["scenes"] = {{{"nodes", {0}}}};  // without cameras
+  const int times = document.Add<float>({0, 1}, "SCALAR");
+  document.Animate(0, 0, "translation", times, document.Add<float>({0, 0, 0, 0, 7, 0}, "VEC3"));
+  document.Animate(0, 0, "scale", times, document.Add<float>({1, 1, 1, 3, 3, 3}, "VEC3"));
+  return document;
+}
+
+TEST_F(Frames, HaveTheGroundAndTheCameraOfFrame0) {
+  JobRequest request = SmallRequest(16, 12, 1);
+  request.scene = folder_.Write("a.gltf", RisingTriangle().text());
+  request.environment.path = folder_.Path("white.pfm");
+  Image white(4, 2);
+  std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
+  WritePfm(request.environment.path, white);
+  request.ground = Ground::kGrey;
+  request.read.fps = 1;
+  const auto place = [&](double frame) {
+    request.read.frame = frame;
+    const RenderJob job(request);
+    const auto triangles = job.geometry().triangle_tables();
+    const std::size_t last = 3 * job.geometry().vertex_count();
+    std::vector<float> ground(triangles.positions + last - 12, triangles.positions + last);
+    const CameraView camera = job.frame().camera;
+    ground.insert(ground.end(), camera.origin, camera.origin + 3);
+    ground.insert(ground.end(), camera.right, camera.right + 3);
+    return ground;
+  };
+  const std::vector<float> first = place(0);
+  EXPECT_EQ(place(0.5), first);
+  EXPECT_EQ(place(1), first);
+  EXPECT_LT(first[1], 0) << "below the triangle of frame 0";
 }
 
 TEST_F(Frames, OfAStillSceneHaveOneSceneAndOneTree) {

@@ -94,13 +94,9 @@ void ReadMaterialId(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
+template <std::optional<Moment> FrameMotion::*kThen>
 void ReadFlow(const FirstSurfaces& first, const AovColumns& out) {
-  FindFlow({&first.geometry, first.camera}, *first.motion->next, first.surfaces, first.count,
-           out[0], out[1], out[2]);
-}
-
-void ReadFlowBack(const FirstSurfaces& first, const AovColumns& out) {
-  FindFlow({&first.geometry, first.camera}, *first.motion->previous, first.surfaces, first.count,
+  FindFlow(first.geometry, first.camera, *(first.motion->*kThen), first.surfaces, first.count,
            out[0], out[1], out[2]);
 }
 
@@ -173,13 +169,13 @@ constexpr Aov kAovs[] = {
      .channels = "XYA",
      .sum = AovSum::kNearestHit,
      .help = "to where the next --frame has what is seen [pixels, y down]; A: 1 where known",
-     .read = ReadFlow,
+     .read = ReadFlow<&FrameMotion::next>,
      .of_motion = true},
     {.name = "flow-back",
      .channels = "XYA",
      .sum = AovSum::kNearestHit,
      .help = "the same, to where the previous frame has it",
-     .read = ReadFlowBack,
+     .read = ReadFlow<&FrameMotion::previous>,
      .of_motion = true},
 };
 static_assert(std::size(kAovs) < 32);

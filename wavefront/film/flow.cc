@@ -49,17 +49,17 @@ std::optional<glm::dvec2> PlaceOnFilm(const CameraView& camera, const glm::dvec3
   return glm::dvec2(at.x / at.z, at.y / at.z);
 }
 
-void FindFlow(const Moment& now, const Moment& then, const SurfaceColumns& surfaces,
-              std::uint32_t n, float* x, float* y, float* known) {
-  const bool instances = now.geometry->instances() != nullptr;
+void FindFlow(const Geometry& geometry, const CameraView& camera, const Moment& then,
+              const SurfaceColumns& surfaces, std::uint32_t n, float* x, float* y, float* known) {
+  const bool instances = geometry.instances() != nullptr;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const auto at = [&](const Moment& moment) {
+    const auto place = [&](const Geometry& placed, const CameraView& seen_by) {
       return PlaceOnFilm(
-          moment.camera,
-          PointOf(*now.geometry, *moment.geometry, surfaces.triangle[i],
-                  instances ? surfaces.instance[i] : 0, surfaces.u[i], surfaces.v[i]));
+          seen_by, PointOf(geometry, placed, surfaces.triangle[i],
+                           instances ? surfaces.instance[i] : 0, surfaces.u[i], surfaces.v[i]));
     };
-    const std::optional<glm::dvec2> from = at(now), to = at(then);
+    const std::optional<glm::dvec2> from = place(geometry, camera);
+    const std::optional<glm::dvec2> to = place(*then.geometry, then.camera);
     const bool both = from && to;
     const glm::dvec2 flow = both ? *to - *from : glm::dvec2(0);
     x[i] = float(flow.x), y[i] = float(flow.y), known[i] = both ? 1 : 0;

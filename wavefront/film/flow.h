@@ -1,6 +1,7 @@
 // Optical flow: how far what a pixel sees is from there at another frame, on the film.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "kernels/camera.h"
@@ -11,7 +12,7 @@ namespace skywave {
 
 // The scene at another frame of its animation: the same vertices, instances and camera elsewhere.
 struct Moment {
-  const Geometry* geometry;
+  std::shared_ptr<const Geometry> geometry;
   CameraView camera;
 };
 
@@ -25,10 +26,10 @@ struct FrameMotion {
 // (HasPlaneFilm), and what a lens blurs is where its middle sees it.
 std::optional<glm::dvec2> PlaceOnFilm(const CameraView& camera, const glm::dvec3& point);
 
-// Writes rows [0, n) of `x`, `y` and `known`: where the point of a surface of `now` is on the film
-// at `then`, less where it is at `now` [pixels], and 1; 0 of all where a camera cannot see so far
-// behind itself.
-void FindFlow(const Moment& now, const Moment& then, const SurfaceColumns& surfaces,
-              std::uint32_t n, float* x, float* y, float* known);
+// Writes rows [0, n) of `x`, `y` and `known`: where the point of a surface of `geometry` is on the
+// film at `then`, less where `camera` sees it now [pixels], and 1; 0 of all where a camera cannot
+// see so far behind itself.
+void FindFlow(const Geometry& geometry, const CameraView& camera, const Moment& then,
+              const SurfaceColumns& surfaces, std::uint32_t n, float* x, float* y, float* known);
 
 }  // namespace skywave
