@@ -155,7 +155,7 @@ TEST_F(PointFiles, OfPlyMayHaveVerticesAlone) {
 TEST_F(PointFiles, OfObjHavePointsLinesOrVerticesAlone) {
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = "f 1 2 3\n";
   const PointsAndLines lines = {.points = {}, .lines = {{0, 1}, {1, 2}, {2, 0}}};
-  Scene scene = Read("t.obj", vertices + face + "l 1/1 -2 3//1\nl 3 1\n");
+  Scene scene = Read("t.obj", vertices + face + "l 1/1 -2 -1//1\nl 3 1\n");
   ASSERT_EQ(scene.meshes.size(), 2u);
   EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
   ExpectParts(scene.meshes[1], lines);
