@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Tests scenes from the meshes of other Python packages with the real ones, which it installs from
-# PyPI into a virtual environment of its own (1.5 GB); PYTHON may name another Python.
+# PyPI into a virtual environment of its own (1.5 GB); PYTHON may name another Python. With bpy in it
+# (pip install bpy) Blender takes part in the orders of imports.
 #   scripts/test_python_packages.sh            after scripts/build.sh release
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -8,7 +9,7 @@ scripts/setup.sh wheel
 environment=$PWD/build/python_packages
 [[ -x $environment/bin/python ]] || "${PYTHON:-/usr/bin/python3}" -m venv "$environment"
 if ! "$environment/bin/pip" install --quiet --disable-pip-version-check --timeout 30 --retries 1 \
-  trimesh scipy pillow pyrender pyvista open3d cadquery h5py; then
+  trimesh scipy pillow pyrender pyvista open3d cadquery h5py embreex OpenEXR; then
   echo "skipped: packages of PyPI cannot be installed"
   exit 77
 fi

@@ -1,0 +1,98 @@
+"""Runs with Blender's module bpy: renders views of a glTF file under a map with Cycles.
+
+    python blender_views.py JOB.json
+
+JOB has scene, map, size, eyes, target, field_of_view, settings (see views.py) and pictures, the
+names of the EXR files. Prints the seconds of each view; one more before them loads kernels and
+builds the tree, which stays (persistent data).
+"""
+import json
+import math
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+JOB = json.loads(Path(sys.argv[-1]).read_text())
+SETTINGS = JOB["settings"]
+
+
+def blender_axes(point):
+    """Returns the place in Blender's world, whose z is up, of a point of glTF."""
+    x, y, z = point
+    return Vector((x, -z, y))
+
+
+def set_world(scene):
+    world = scene.world = bpy.data.worlds.new("world")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    coordinates, mapping, texture, background, output = (
+        nodes.new("ShaderNode" + name)
+        for name in ("TexCoord", "Mapping", "TexEnvironment", "Background", "OutputWorld"))
+    mapping.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
+    texture.image = bpy.data.images.load(JOB["map"])
+    links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    links.new(texture.outputs["Color"], background.inputs["Color"])
+    links.new(background.outputs[0], output.inputs["Surface"])
+
+
+def set_render(scene):
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = JOB["size"]
+    scene.render.use_persistent_data = scene.render.film_transparent = True
+    scene.render.use_compositing = scene.render.use_sequencer = False
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.image_settings.color_depth = "32"
+    scene.view_settings.view_transform = "Raw"
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples = SETTINGS["samples"]
+    cycles.use_denoising = SETTINGS["denoise"]
+    cycles.use_adaptive_sampling = SETTINGS["threshold"] > 0
+    if SETTINGS["threshold"] > 0:
+        cycles.adaptive_threshold = SETTINGS["threshold"]
+    if SETTINGS["denoise"]:
+        cycles.denoiser = "OPENIMAGEDENOISE"
+    for name, value in SETTINGS.get("bounces", {}).items():
+        setattr(cycles, name, value)
+
+
+def look(camera, eye):
+    eye, target = blender_axes(eye), blender_axes(JOB["target"])
+    camera.location = eye
+    camera.rotation_mode = "QUATERNION"
+    camera.rotation_quaternion = (target - eye).to_track_quat("-Z", "Y")
+
+
+def main():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    bpy.ops.import_scene.gltf(filepath=JOB["scene"])
+    set_world(scene)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.angle = math.radians(JOB["field_of_view"])
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    set_render(scene)
+    for number, eye in enumerate([JOB["eyes"][0], *JOB["eyes"]]):
+        look(camera, eye)
+        scene.cycles.seed = number
+        start, processor = time.perf_counter(), time.process_time()
+        bpy.ops.render.render()
+        if number == 0:
+            continue
+        print("views: {:.4f} {:.4f}".format(time.perf_counter() - start,
+                                            time.process_time() - processor), flush=True)
+        if JOB["pictures"]:
+            bpy.data.images["Render Result"].save_render(JOB["pictures"][number - 1])
+
+
+main()
+os._exit(0)  # some versions of bpy crash when Python ends
