@@ -3,13 +3,13 @@
 
     bench/views/views_test.py build/release/skywave
 """
+import math
+import struct
 import sys
 import tempfile
 import types
 import unittest
 from pathlib import Path
-
-import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import views  # noqa: E402
@@ -19,16 +19,16 @@ PROGRAM = None
 
 class ViewsTest(unittest.TestCase):
     def test_errors_are_relative(self):
-        reference = numpy.full((2, 3, 3), 2.0)
-        self.assertEqual(views.relative_error(reference, reference), 0)
-        self.assertAlmostEqual(views.relative_error(1.1 * reference, reference),
-                               0.2**2 / (4 + 0.01))
+        self.assertEqual(views.relative_error([2.0] * 9, [2.0] * 9), 0)
+        self.assertAlmostEqual(views.relative_error([2.2, 2.0], [2.0, 2.0]),
+                               0.2**2 / (4 + 0.01) / 2)
 
     def test_eyes_are_around_the_origin_and_above(self):
-        eyes = numpy.array(views.eyes_around(20, 4))
-        numpy.testing.assert_allclose(numpy.linalg.norm(eyes, axis=1), 4, atol=1e-3)
-        self.assertGreater(eyes[:, 1].min(), 0)
-        self.assertEqual(len({tuple(eye) for eye in eyes.tolist()}), 20)
+        eyes = views.eyes_around(20, 4)
+        for eye in eyes:
+            self.assertAlmostEqual(math.hypot(*eye), 4, delta=1e-3)
+            self.assertGreater(eye[1], 0)
+        self.assertEqual(len({tuple(eye) for eye in eyes}), 20)
 
     def test_rows_are_compared_at_no_greater_error(self):
         ours = [("few", 1.0, 2.0, 0.1), ("many", 4.0, 8.0, 0.01)]
@@ -46,7 +46,7 @@ class ViewsTest(unittest.TestCase):
             corners = "v -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
             (folder / "a.obj").write_text(corners)
             (folder / "white.pfm").write_bytes(
-                b"PF\n4 2\n-1\n" + numpy.ones((2, 4, 3), "<f4").tobytes())
+                b"PF\n4 2\n-1\n" + struct.pack("<24f", *[1] * 24))
             given = types.SimpleNamespace(scene=folder / "a.obj", env=folder / "white.pfm", size=8,
                                           field_of_view=30, program=PROGRAM)
             seconds, processor, first = views.Skywave(given, folder).batch(

@@ -178,9 +178,9 @@ Candidate FilterByStatistics(const DenoiserInput& input, const DenoiserPlanes& p
   return WithError(input, planes, {filtered[0].columns(), filtered[1].columns()});
 }
 
-// The halves and the whole of the picture are cleaned one by one. Pixels that see nothing but the
-// map have no noise, and stay.
-Candidate FilterByOidn(const DenoiserInput& input, const DenoiserPlanes& planes) {
+// The whole of the picture and, for its error, the halves are cleaned one by one. Pixels that see
+// nothing but the map have no noise, and stay.
+Candidate FilterByOidn(const DenoiserInput& input, const DenoiserPlanes& planes, bool with_error) {
   const PlaneShape& shape = planes.shape;
   const std::size_t values = input.image.rgb.size();
   std::vector<float> albedo(values), normal(values), color(values);
@@ -209,6 +209,7 @@ Candidate FilterByOidn(const DenoiserInput& input, const DenoiserPlanes& planes)
   Candidate whole =
       MeanOfHalves(input, shape, {planes.halves[0].columns(), planes.halves[1].columns()});
   clean({whole.light->r, whole.light->g, whole.light->b});
+  if (!with_error) return whole;
   soa::Table<HalfPlanes> halves[2];
   for (int h = 0; h < 2; ++h) {
     halves[h] = NewHalf(shape);
@@ -283,10 +284,12 @@ Candidate Combine(const PlaneShape& shape, const std::vector<Candidate>& candida
 Candidate Clean(Denoiser by, const DenoiserInput& input, const DenoiserPlanes& planes,
                 double (&shares)[3]) {
   if (by == Denoiser::kStatistics) return FilterByStatistics(input, planes);
-  if (by == Denoiser::kOidn) return FilterByOidn(input, planes);
+  if (by == Denoiser::kOidn || by == Denoiser::kQuick) {
+    return FilterByOidn(input, planes, /*with_error=*/by == Denoiser::kOidn);
+  }
   std::vector<Candidate> candidates;
   candidates.push_back(FilterByStatistics(input, planes));
-  candidates.push_back(FilterByOidn(input, planes));
+  candidates.push_back(FilterByOidn(input, planes, /*with_error=*/true));
   candidates.push_back(
       WithError(input, planes, {planes.halves[0].columns(), planes.halves[1].columns()}));
   return Combine(planes.shape, candidates, shares);
@@ -298,7 +301,7 @@ Denoiser ResolveDenoiser(Denoiser by) {
   if (by == Denoiser::kAuto) {
     return OidnVersion().empty() ? Denoiser::kStatistics : Denoiser::kBest;
   }
-  if (by == Denoiser::kOidn || by == Denoiser::kBest) RequireOidn();
+  if (by != Denoiser::kNone && by != Denoiser::kStatistics) RequireOidn();
   return by;
 }
 
@@ -314,9 +317,10 @@ Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
   SmoothNoises(shape, planes.halves);
 
   Denoised result = {.image = Image(shape.width, shape.height),
-                     .error = {{"error.R", {}}, {"error.G", {}}, {"error.B", {}}},
+                     .error = {},
                      .outliers = outliers.outliers,
                      .oidn = by == Denoiser::kStatistics ? "" : OidnVersion()};
+  if (by != Denoiser::kQuick) result.error = {{"error.R", {}}, {"error.G", {}}, {"error.B", {}}};
   const Candidate clean = Clean(by, input, planes, result.shares);
   for (NamedChannel& channel : result.error) channel.values.resize(input.samples.size());
   const float* const lights[3] = {clean.light->r, clean.light->g, clean.light->b};
@@ -329,6 +333,7 @@ Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
       // Where light was spread, the picture is not known to be right.
       const float more = spread[c] != nullptr ? spread[c][at] : 0;
       result.image.rgb[3 * pixel + c] = lights[c][at] * textures[c][at] + more;
+      if (result.error.empty()) continue;
       const float error2 = errors[c][at] * textures[c][at] * textures[c][at] + more * more;
       result.error[c].values[pixel] = std::sqrt(error2);
     }

@@ -35,7 +35,8 @@ inline constexpr char kOidnVersion[] = "openImageDenoise";
 struct Denoised {
   Image image;
   // Layer "error", R, G and B: the root of the expected squared error of the image. It is
-  // estimated, and 1.96 times as much on both sides makes an interval of about 95 %.
+  // estimated, and 1.96 times as much on both sides makes an interval of about 95 %. kQuick has
+  // none.
   std::vector<NamedChannel> error;
   std::uint64_t outliers = 0;  // half pixels that were too bright
   double spread_share = 0;     // of the picture's energy, which was spread around them

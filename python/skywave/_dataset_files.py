@@ -209,19 +209,69 @@ class Bop:
         _write_json(self.folder / "scene_gt.json", self.objects)
 
 
+def _pinhole(name, camera):
+    """Returns (width, height, fx, fy, cx, cy) of the camera of a picture. Places count from the
+    corners of pixels in the files of others, and from their centres here."""
+    k, _ = _convert.matrix(camera.K, "K", [(3, 3)])
+    (fx, skew, cx), (_, fy, cy), _ = numpy.asarray(k, float).reshape(3, 3).tolist()
+    if skew != 0:
+        raise bad_argument("cameras", f"the camera of {name} is skewed, which the file has no "
+                                      "place for")
+    width, height = (int(side) for side in camera.size)
+    return width, height, fx, fy, cx + 0.5, cy + 0.5
+
+
 def write_transforms(path, cameras):
     """Writes transforms.json of NeRF data, which --camera-from and other programs read: `cameras`
     has a Camera for each name of a picture."""
     frames = []
     for name, camera in cameras.items():
-        k, _ = _convert.matrix(camera.K, "K", [(3, 3)])
-        (fx, skew, cx), (_, fy, cy), _ = numpy.asarray(k, float).reshape(3, 3).tolist()
-        if skew != 0:
-            raise bad_argument("cameras", f"the camera of {name} is skewed, which the file has no "
-                                          "place for")
         pose = _pose(camera.world_from_camera, f"the camera of {name}") @ FLIP
-        width, height = (int(side) for side in camera.size)
-        # Places count from the corners of pixels there.
-        frames.append({"file_path": str(name), "w": width, "h": height, "fl_x": fx, "fl_y": fy,
-                       "cx": cx + 0.5, "cy": cy + 0.5, "transform_matrix": pose.tolist()})
+        frames.append({"file_path": str(name),
+                       **dict(zip(("w", "h", "fl_x", "fl_y", "cx", "cy"), _pinhole(name, camera))),
+                       "transform_matrix": pose.tolist()})
     _write_json(pathlib.Path(os.fsdecode(_convert.path(path, "path"))), {"frames": frames})
+
+
+def _quaternion(turn):
+    """Returns (w, x, y, z) of a rotation (3, 3), from its largest component (Shepperd 1978)."""
+    trace = numpy.trace(turn)
+    squares = numpy.array([trace, *numpy.diag(turn)])
+    largest = int(numpy.argmax(squares))
+    if largest == 0:
+        parts = [1 + trace, turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0],
+                 turn[1, 0] - turn[0, 1]]
+    else:
+        i = largest - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        parts = [turn[k, j] - turn[j, k], 0, 0, 0]
+        parts[1 + i] = 1 + turn[i, i] - turn[j, j] - turn[k, k]
+        parts[1 + j] = turn[j, i] + turn[i, j]
+        parts[1 + k] = turn[k, i] + turn[i, k]
+    return numpy.array(parts) / numpy.linalg.norm(parts)
+
+
+def write_colmap(folder, cameras):
+    """Writes cameras.txt and images.txt of COLMAP (and points3D.txt, which is empty), which
+    --camera-from and other programs read, into a folder: `cameras` has a Camera for each name of a
+    picture."""
+    lenses, lines = {}, []
+    for number, (name, camera) in enumerate(cameras.items(), 1):
+        camera_from_world = numpy.linalg.inv(
+            _pose(camera.world_from_camera, f"the camera of {name}"))
+        lens = lenses.setdefault(_pinhole(name, camera), len(lenses) + 1)
+        if any(c.isspace() for c in str(name)):
+            raise bad_argument("cameras", f"'{name}' has spaces, which end a name in those files")
+        pose = [*_quaternion(camera_from_world[:3, :3]), *camera_from_world[:3, 3]]
+        # The second line of a picture has the points that it shows: none.
+        lines.append(f"{number} {' '.join(f'{value:.17g}' for value in pose)} {lens} {name}\n\n")
+    folder = pathlib.Path(os.fsdecode(_convert.path(folder, "folder")))
+    with as_file_error(os.fsencode(folder)):
+        folder.mkdir(parents=True, exist_ok=True)
+    for file, text in (
+            ("cameras.txt", "".join(f"{number} PINHOLE {' '.join(f'{v:.17g}' for v in lens)}\n"
+                                    for lens, number in lenses.items())),
+            ("images.txt", "".join(lines)), ("points3D.txt", "")):
+        with _replacing(os.fspath(folder / file)) as part, open(part, "w",
+                                                                encoding="utf-8") as opened:
+            opened.write(text)

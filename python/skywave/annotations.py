@@ -17,7 +17,8 @@ import numpy
 
 from . import _convert
 from ._dataset_files import (  # noqa: F401 (offered here)
-    Bop, write_depth, write_flow, write_hdf5, write_mask, write_png16, write_transforms)
+    Bop, write_colmap, write_depth, write_flow, write_hdf5, write_mask, write_png16,
+    write_transforms)
 from ._errors import as_file_error, bad_argument
 
 def boxes(ids):
@@ -56,6 +57,33 @@ def class_ids(ids, names, classes):
             if table[i] == 0 and any(fnmatch.fnmatchcase(name, p) for p in patterns):
                 table[i] = number
     return table[numpy.asarray(ids, dtype=numpy.int64)]
+
+
+def object_coordinates(picture, boxes):
+    """Returns normalised object coordinates (height, width, 3), float32 (Wang et al. 2019): where
+    in the box of its model a pixel's place is, from 0 to 1 along each axis; nan elsewhere.
+
+    `boxes` has (world_from_model (4, 4), low (3), high (3)) by the names of objects; `picture` has
+    the layers object-id and position. Positions are means over the samples of a pixel, so edges
+    mix with what is behind them: a picture of one sample (spp=1, filter="box") has exact ones.
+    """
+    for layer in ("object-id", "position"):
+        if layer not in picture.layers:
+            raise bad_argument("picture", f"it has no layer {layer}: render with "
+                                          'aovs=["object-id", "position"]')
+    coordinates = numpy.full((*picture.layers["object-id"].shape, 3), numpy.nan, numpy.float32)
+    for name, (world_from_model, low, high) in boxes.items():
+        if name not in picture.object_names:
+            raise bad_argument("boxes", f"the picture has no object '{name}', but "
+                                        f"{', '.join(picture.object_names)}")
+        mask = picture.layers["object-id"] == picture.object_names.index(name) + 1
+        matrix, shape = _convert.matrix(world_from_model, name, [(4, 4)])
+        model_from_world = numpy.linalg.inv(numpy.reshape(matrix, shape))
+        places = (picture.layers["position"][mask] @ model_from_world[:3, :3].T
+                  + model_from_world[:3, 3])
+        low = numpy.asarray(low, float)
+        coordinates[mask] = (places - low) / (numpy.asarray(high, float) - low)
+    return coordinates
 
 
 class Coco:

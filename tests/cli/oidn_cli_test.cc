@@ -44,7 +44,7 @@ class OidnProgram : public Program {
 };
 
 TEST_F(OidnProgram, MakesTheSamePictureInOneCommandInTwoAndFromFilms) {
-  for (const std::string by : {"oidn", "best"}) {
+  for (const std::string by : {"oidn", "quick", "best"}) {
     Make(kRender + ("--denoise " + by) + " -o one.exr");
     Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
     Make("denoise noisy.exr --by " + by + " -q -o two.exr");
@@ -96,6 +96,7 @@ TEST_F(OidnProgram, SaysWhatIsWrongBeforeTheFirstRay) {
   setenv("SKYWAVE_OIDN", "/nowhere/lib.so", 1);
   // This process has looked for none yet.
   EXPECT_THROW(ResolveDenoiser(Denoiser::kOidn), OptionError);
+  EXPECT_THROW(ResolveDenoiser(Denoiser::kQuick), OptionError);
   EXPECT_THROW(ResolveDenoiser(Denoiser::kBest), OptionError);
   EXPECT_EQ(ResolveDenoiser(Denoiser::kAuto), Denoiser::kStatistics);
   ExpectRefused(oidn, "/nowhere/lib.so");
@@ -109,7 +110,7 @@ TEST_F(OidnProgram, SaysWhatIsWrongBeforeTheFirstRay) {
   setenv("SKYWAVE_OIDN", "libm.so.6", 1);
   ExpectRefused(oidn, "is no Open Image Denoise");
   ExpectRefused(kRender + std::string("--denoise odin -o clean.exr"), "odin");
-  ExpectRefused("denoise noisy.exr --by none -o clean.exr", "statistics|oidn|best|auto");
+  ExpectRefused("denoise noisy.exr --by none -o clean.exr", "statistics|oidn|quick|best|auto");
 }
 
 // The rays have been traced when the network fails.

@@ -63,6 +63,15 @@ TEST(Oidn, CleansThePictureAndNotTheMap) {
   }
 }
 
+TEST(Oidn, QuickPicturesAreTheSameWithoutError) {
+  const Noisy noisy = Draw(Level, 1);
+  const Denoised whole = Clean(noisy, Denoiser::kOidn), quick = Clean(noisy, Denoiser::kQuick);
+  EXPECT_EQ(quick.image.rgb, whole.image.rgb);
+  EXPECT_EQ(quick.oidn, whole.oidn);
+  EXPECT_EQ(whole.error.size(), 3u);
+  EXPECT_TRUE(quick.error.empty());
+}
+
 struct Misses {
   double share = 0, mean_squared_z = 0;
 };

@@ -80,6 +80,65 @@ class FilesTest(Case):
             annotations.write_transforms("t.json", {"c.png": skewed})
         self.assertFalse(pathlib.Path("t.json").exists())
 
+    def test_files_of_colmap_are_read_back_as_the_same_cameras(self):
+        scene, camera = self.scene()
+        rolled = numpy.array(camera.world_from_camera)
+        rolled[:3, :3] = rolled[:3, :3] @ numpy.diag([-1, -1, 1])
+        cameras = {"0.png": camera, "1.png": skywave.Camera(camera.K, rolled, camera.size)}
+        annotations.write_colmap("sparse/0", cameras)
+        lines = pathlib.Path("sparse/0/cameras.txt").read_text().splitlines()
+        self.assertEqual(lines, ["1 PINHOLE 40 30 60 62 21 13.5"])
+        for name, seen_by in cameras.items():
+            options = {"spp": 1, "aovs": ["position", "depth"]}
+            one = skywave.render(scene.copy().set_camera(seen_by), sky(), **options)
+            other = skywave.render(scene, sky(), camera_from="sparse/0", scene_camera=name,
+                                   **options)
+            self.assertGreater((one.layers["depth"] < 100).sum(), 200)
+            numpy.testing.assert_allclose(other.layers["depth"], one.layers["depth"], rtol=1e-5)
+            numpy.testing.assert_allclose(other.layers["position"], one.layers["position"],
+                                          atol=1e-4)
+        with self.assertRaisesRegex(skywave.Error, "has spaces"):
+            annotations.write_colmap("c", {"a b.png": camera})
+        self.assertFalse(pathlib.Path("c").exists())
+
+    def test_rotations_of_colmap_are_quaternions(self):
+        def turn_of(quaternion):
+            w, x, y, z = quaternion
+            return numpy.array([
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+        random = numpy.random.default_rng(1)
+        for largest in range(4):  # each component is the largest one in turn
+            for _ in range(20):
+                quaternion = random.normal(size=4) + 4 * numpy.eye(4)[largest]
+                quaternion /= numpy.linalg.norm(quaternion)
+                pose = numpy.eye(4)
+                pose[:3, :3] = turn_of(quaternion).T
+                camera = skywave.Camera(numpy.diag([9, 9, 1]), pose, (8, 8))
+                annotations.write_colmap("q", {"a": camera})
+                line = pathlib.Path("q/images.txt").read_text().split()
+                written = numpy.array(line[1:5], float)
+                numpy.testing.assert_allclose(turn_of(written), turn_of(quaternion), atol=1e-12)
+
+    def test_object_coordinates_are_places_in_the_box_of_a_model(self):
+        scene, camera = self.scene()
+        picture = skywave.render(scene, sky(), spp=1, filter="box",
+                                 aovs=["object-id", "position"])
+        # The plate is 2 wide; its model is 4 wide, lies on its side and is half as large here.
+        pose = 0.5 * numpy.array([[0.0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 2]])
+        found = annotations.object_coordinates(
+            picture, {"plate": (pose, [-2, -2, -1], [2, 2, 1])})
+        plate = picture.layers["object-id"] == 1
+        self.assertGreater(plate.sum(), 100)
+        self.assertTrue(numpy.isnan(found[~plate]).all())
+        x, y = picture.layers["position"][plate][:, :2].T
+        numpy.testing.assert_allclose(found[plate], numpy.stack(
+            [(y + 1) / 2, (1 - x) / 2, numpy.full_like(x, 0.5)], axis=1), atol=1e-5)
+        with self.assertRaisesRegex(skywave.Error, "no object 'cup', but plate, chip"):
+            annotations.object_coordinates(picture, {"cup": (pose, [0] * 3, [1] * 3)})
+
     def test_a_scene_of_bop_has_poses_depths_and_masks(self):
         scene, camera = self.scene()
         picture = skywave.render(scene, sky(), spp=2, aovs=["object-id", "depth"])
