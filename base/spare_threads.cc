@@ -1,5 +1,7 @@
 #include "base/spare_threads.h"
 
+#include <pthread.h>
+
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -39,12 +41,21 @@ class SpareThreads {
   std::size_t idle_ = 0;  // threads
 };
 
+// Its threads wait until the process ends, so none is ever destroyed.
+SpareThreads* of_process = nullptr;
+
+// A process that was forked has none of the threads of its parent.
+void BeginAnew() { of_process = new SpareThreads; }
+
 }  // namespace
 
 void GiveToSpareThread(std::function<void()> work) {
-  // Its threads wait until the process ends, so it is never destroyed.
-  static SpareThreads& threads = *new SpareThreads;
-  threads.Give(std::move(work));
+  static std::once_flag begun;
+  std::call_once(begun, [] {
+    BeginAnew();
+    pthread_atfork(nullptr, nullptr, BeginAnew);
+  });
+  of_process->Give(std::move(work));
 }
 
 }  // namespace skywave

@@ -2,6 +2,8 @@
 #include "base/spare_threads.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <memory>
 #include <set>
@@ -43,6 +45,20 @@ TEST(SpareThreads, AreUsedAgain) {
   // A thread may not have come back yet when the next work is given.
   EXPECT_LT(threads.size(), 40u);
   EXPECT_FALSE(threads.contains(std::this_thread::get_id()));
+}
+
+// Python's multiprocessing forks processes that render after their parent has.
+TEST(SpareThreads, AreThereInForkedProcesses) {
+  EXPECT_EQ(OnSpareThread([] { return 1; }).get(), 1);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    _exit(OnSpareThread([] { return 2; }).get());
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 2);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 """Pictures of the package are those of the command line, bit by bit."""
 import json
+import os
 import pathlib
+import signal
 import unittest
 
 import numpy
@@ -214,6 +216,15 @@ class RenderTest(Case):
                                  size=(24, 16), reference_spp=8)
         self.assertEqual([contestant["integrator"] for contestant in table["strategies"]],
                          ["path", "direct"])
+
+    def test_processes_that_are_forked_render_too(self):
+        expected = skywave.render("spheres", sky(), **SMALL).rgb
+        child = os.fork()
+        if child == 0:  # as multiprocessing does
+            signal.alarm(60)
+            same = (skywave.render("spheres", sky(), **SMALL).rgb == expected).all()
+            os._exit(0 if same else 1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
 
     def test_version(self):
         self.assertTrue(skywave.version().startswith(skywave.__version__ + " (Embree "))
