@@ -87,7 +87,7 @@ std::vector<OptionOf<DenoiseFlags>> DenoiseOptions() {
   // clang-format off
   return {
     option({.name = "input", .help = "EXR with the layers of --aovs denoiser", .scope = OptionScope::kInput, .metavar = "EXR", .positional = true, .required = true}, FIELD(input), Texts("EXR")),
-    option({.name = "output", .help = "EXR file with the layer error, and a PNG of the same name", .metavar = "EXR", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
+    option({.name = "output", .help = "EXR file with the layer error (not by quick), and a PNG of the same name", .metavar = "EXR", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
     option({.name = "by", .help = "statistics of the samples, Open Image Denoise (oidn), quick, the same without its error in a third of the time, best, by a mean of both that is weighted by their errors, or auto, by both if it is installed", .scope = OptionScope::kPixels}, FIELD(by), Methods()),
     option({.name = "threads", .help = "0: as many as the process may use", .scope = OptionScope::kSpeed}, FIELD(threads), Numbers(0, 4096)),
     option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),

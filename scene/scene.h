@@ -186,8 +186,8 @@ struct Scene {
   // the other way round then, so that it is never seen mirrored.
   bool left_handed = false;
   char up_axis = 'y';  // 'x', 'y' or 'z': up of --env and of automatic framing
-  // Of an animated scene at its frame 0. They place what must not move with it: a ground, and a
-  // camera that the file does not have.
+  // Of an animated scene at its frame 0, if it is another frame that was read. They place what must
+  // not move with it: a ground, and a camera that the file does not have.
   std::optional<Bounds> first_bounds;
   std::vector<std::string> warnings;  // "file:line: what is not supported and what happens instead"
   std::vector<std::string> notes;     // "file:line: what has no effect on the picture"

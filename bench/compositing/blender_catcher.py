@@ -9,7 +9,9 @@ import sys
 from pathlib import Path
 
 import bpy
-from mathutils import Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "peers"))
+from blender_scene import add_camera, look, set_world  # noqa: E402
 
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -66,38 +68,6 @@ def add_ball(ball):
     bpy.context.object.data.materials.append(material)
 
 
-def set_world():
-    """Sets the map: its middle along +y, its right half along +x, as stored."""
-    world = SCENE.world = bpy.data.worlds.new("world")
-    world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
-    coordinates = nodes.new("ShaderNodeTexCoord")
-    mapping = nodes.new("ShaderNodeMapping")
-    mapping.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
-    texture = nodes.new("ShaderNodeTexEnvironment")
-    texture.image = bpy.data.images.load(JOB["map"])
-    background = nodes.new("ShaderNodeBackground")
-    output = nodes.new("ShaderNodeOutputWorld")
-    links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    links.new(texture.outputs["Color"], background.inputs["Color"])
-    links.new(background.outputs[0], output.inputs["Surface"])
-
-
-def set_camera():
-    camera = bpy.data.cameras.new("camera")
-    camera.sensor_fit = "VERTICAL"
-    camera.angle = math.radians(JOB["field_of_view"])
-    eye = bpy.data.objects.new("camera", camera)
-    eye.location = JOB["eye"]
-    eye.rotation_mode = "QUATERNION"
-    direction = Vector(JOB["target"]) - Vector(JOB["eye"])
-    eye.rotation_quaternion = direction.to_track_quat("-Z", "Y")
-    SCENE.collection.objects.link(eye)
-    SCENE.camera = eye
-
-
 def set_render():
     render, cycles = SCENE.render, SCENE.cycles
     render.engine = "CYCLES"
@@ -120,8 +90,8 @@ def set_render():
 add_table()
 for one in JOB["balls"]:
     add_ball(one)
-set_world()
-set_camera()
+set_world(SCENE, JOB["map"])
+look(add_camera(SCENE, JOB["field_of_view"], JOB["size"]), JOB["eye"], JOB["target"])
 set_render()
 bpy.ops.render.render()
 bpy.data.images["Render Result"].save_render(JOB["picture"])

@@ -15,9 +15,9 @@ import time
 from pathlib import Path
 
 import bpy
-from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+from blender_scene import add_camera, look, set_world  # noqa: E402
 from scene import read_ply  # noqa: E402
 
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
@@ -84,43 +84,6 @@ def add_material(described):
     return material
 
 
-def set_world(file):
-    """Sets the map: its middle along +y, its right half along +x, as stored."""
-    world = SCENE.world = bpy.data.worlds.new("world")
-    world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
-    coordinates = nodes.new("ShaderNodeTexCoord")
-    mapping = nodes.new("ShaderNodeMapping")
-    mapping.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
-    texture = nodes.new("ShaderNodeTexEnvironment")
-    texture.image = bpy.data.images.load(file)
-    links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    background = nodes.new("ShaderNodeBackground")
-    background.inputs["Strength"].default_value = 1
-    links.new(texture.outputs["Color"], background.inputs["Color"])
-    output = nodes.new("ShaderNodeOutputWorld")
-    links.new(background.outputs[0], output.inputs["Surface"])
-    world.cycles.sampling_method = "MANUAL"
-    world.cycles.sample_map_resolution = JOB["map_width"]
-
-
-def set_camera():
-    camera = bpy.data.cameras.new("camera")
-    width, height = JOB["size"]
-    camera.sensor_fit = "VERTICAL" if height <= width else "HORIZONTAL"
-    camera.angle = math.radians(JOB["field_of_view"])
-    camera.clip_start, camera.clip_end = 1e-4, 1e4
-    eye = bpy.data.objects.new("camera", camera)
-    direction = Vector(JOB["target"]) - Vector(JOB["eye"])
-    eye.location = JOB["eye"]
-    eye.rotation_mode = "QUATERNION"
-    eye.rotation_quaternion = direction.to_track_quat("-Z", "Y")
-    SCENE.collection.objects.link(eye)
-    SCENE.camera = eye
-
-
 def set_render():
     SCENE.render.engine = "CYCLES"
     SCENE.render.resolution_x, SCENE.render.resolution_y = JOB["size"]
@@ -158,8 +121,10 @@ def render(samples, seed):
 
 for index, one in enumerate(JOB["meshes"]):
     add_mesh(f"mesh {index}", one["file"], add_material(one["material"]))
-set_world(JOB["map"])
-set_camera()
+world = set_world(SCENE, JOB["map"])
+world.cycles.sampling_method = "MANUAL"
+world.cycles.sample_map_resolution = JOB["map_width"]
+look(add_camera(SCENE, JOB["field_of_view"], JOB["size"]), JOB["eye"], JOB["target"])
 set_render()
 render(1, 0)  # loads kernels
 print("peers: one sample {:.6f}".format(render(1, JOB["seed"])), flush=True)

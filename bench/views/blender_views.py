@@ -7,14 +7,15 @@ names of the EXR files. Prints the seconds of each view; one more before them lo
 builds the tree, which stays (persistent data).
 """
 import json
-import math
 import os
 import sys
 import time
 from pathlib import Path
 
 import bpy
-from mathutils import Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "peers"))
+from blender_scene import add_camera, look, set_world  # noqa: E402
 
 JOB = json.loads(Path(sys.argv[-1]).read_text())
 SETTINGS = JOB["settings"]
@@ -23,23 +24,7 @@ SETTINGS = JOB["settings"]
 def blender_axes(point):
     """Returns the place in Blender's world, whose z is up, of a point of glTF."""
     x, y, z = point
-    return Vector((x, -z, y))
-
-
-def set_world(scene):
-    world = scene.world = bpy.data.worlds.new("world")
-    world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
-    coordinates, mapping, texture, background, output = (
-        nodes.new("ShaderNode" + name)
-        for name in ("TexCoord", "Mapping", "TexEnvironment", "Background", "OutputWorld"))
-    mapping.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
-    texture.image = bpy.data.images.load(JOB["map"])
-    links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    links.new(texture.outputs["Color"], background.inputs["Color"])
-    links.new(background.outputs[0], output.inputs["Surface"])
+    return x, -z, y
 
 
 def set_render(scene):
@@ -64,25 +49,15 @@ def set_render(scene):
         setattr(cycles, name, value)
 
 
-def look(camera, eye):
-    eye, target = blender_axes(eye), blender_axes(JOB["target"])
-    camera.location = eye
-    camera.rotation_mode = "QUATERNION"
-    camera.rotation_quaternion = (target - eye).to_track_quat("-Z", "Y")
-
-
 def main():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     bpy.ops.import_scene.gltf(filepath=JOB["scene"])
-    set_world(scene)
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.data.angle = math.radians(JOB["field_of_view"])
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    set_world(scene, JOB["map"])
+    camera = add_camera(scene, JOB["field_of_view"], JOB["size"])
     set_render(scene)
     for number, eye in enumerate([JOB["eyes"][0], *JOB["eyes"]]):
-        look(camera, eye)
+        look(camera, blender_axes(eye), blender_axes(JOB["target"]))
         scene.cycles.seed = number
         start, processor = time.perf_counter(), time.process_time()
         bpy.ops.render.render()

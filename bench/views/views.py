@@ -73,8 +73,10 @@ class Skywave:
         file = self.folder / f"{name}.toml"
         file.write_text("\n".join(lines) + "\n")
         before, start = os.times(), time.perf_counter()
-        subprocess.run([self.given.program, "batch", file], check=True, stdout=subprocess.DEVNULL,
-                       stderr=subprocess.DEVNULL)
+        done = subprocess.run([self.given.program, "batch", file], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True)
+        if done.returncode:
+            sys.exit(f"skywave batch failed:\n{done.stderr[-2000:]}")
         seconds, after = time.perf_counter() - start, os.times()
         processor = (after.children_user + after.children_system - before.children_user
                      - before.children_system)
@@ -84,6 +86,9 @@ class Skywave:
         one = self.batch(f"one_{number}", eyes[:1], **settings)
         all_views = self.batch(f"all_{number}", eyes, **settings)
         more = len(eyes) - 1
+        if all_views[0] < 2 * one[0]:
+            print(f"{more} more views took {all_views[0] - one[0]:.2g} s, and the first one "
+                  f"{one[0]:.2g} s: more --views are needed", file=sys.stderr)
         return (all_views[0] - one[0]) / more, (all_views[1] - one[1]) / more, one[2]
 
     def reference(self, eyes):

@@ -97,17 +97,13 @@ def _add(scene, materials, mesh, name, number, point_size):
     if not hasattr(mesh, "faces"):
         if not hasattr(mesh, "vertices"):
             raise bad_argument("source", f"{type(mesh).__name__} has no triangles and no points")
-        lines, colors = None, getattr(mesh, "colors", None)
-        if hasattr(mesh, "entities"):  # a path
-            colors = None
-            lines = numpy.concatenate(
-                [numpy.stack([entity.nodes[:, 0], entity.nodes[:, 1]], axis=1)
-                 for entity in mesh.entities])
+        if hasattr(mesh, "entities"):
+            _add_path(scene, mesh, name, number, point_size)
+            return
+        colors = getattr(mesh, "colors", None)
         colors = _fractions(colors) if colors is not None and len(colors) else None
-        points = numpy.asarray(mesh.vertices, float)
-        if points.shape[1] == 2:
-            points = numpy.pad(points, ((0, 0), (0, 1)))
-        _add_cloud(scene, points, colors, point_size, name, lines, number)
+        _add_cloud(scene, numpy.asarray(mesh.vertices, float), colors, point_size, name,
+                   object=number)
         return
     vertices, faces = mesh.vertices, mesh.faces
     # trimesh would compute those that no file gave, smooth across edges.
@@ -130,6 +126,26 @@ def _add(scene, materials, mesh, name, number, point_size):
                                       reflectance=0.5 if colors is None else 1, name=name)
     scene.add_mesh(vertices, faces, normals=normals, uvs=uvs, colors=colors, alphas=alphas,
                    material=material, name=name, object=number)
+
+
+def _add_path(scene, path, name, number, point_size):
+    """Adds a path of trimesh, whose arcs and splines become as many lines as it makes of them."""
+    scale = path.scale if len(path.vertices) else 1
+    curves = [numpy.asarray(entity.discrete(path.vertices, scale=scale))
+              for entity in path.entities]
+    lengths = [len(curve) for curve in curves]
+    if 0 in lengths:
+        left_out(f"{name}: {lengths.count(0)} of its entities are text or have no points")
+    if not sum(lengths):
+        raise bad_argument("source", f"{name} is a path without lines")
+    points = numpy.concatenate([curve for curve in curves if len(curve)]).astype(float)
+    if points.shape[1] == 2:
+        points = numpy.pad(points, ((0, 0), (0, 1)))
+    lines = numpy.stack([numpy.arange(len(points) - 1), numpy.arange(1, len(points))], axis=1)
+    of_entities = numpy.repeat(numpy.arange(len(curves)), lengths)
+    lines = lines[of_entities[:-1] == of_entities[1:]]  # none from one entity to the next
+    colors = None if path.colors is None else _fractions(path.colors)[of_entities]
+    _add_cloud(scene, points, colors, point_size, name, lines, number)
 
 
 def _trimesh_material(materials, visual):

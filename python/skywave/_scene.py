@@ -4,6 +4,14 @@ from ._camera import Camera
 from ._errors import bad_argument, keywords, renamed
 
 
+def _looks(colors, alphas, material, name, object):
+    """Returns what add_mesh and add_points say of all vertices, as the extension module takes it."""
+    return (None if colors is None else _convert.rows(colors, "colors", 3),
+            None if alphas is None else _convert.column(alphas, "alphas"),
+            _convert.index(material, "material"), _convert.text(name, "name"),
+            -1 if object is None else _convert.index(object, "object"))
+
+
 class Scene:
     """Triangles, materials, textures, lights and a camera.
 
@@ -68,10 +76,7 @@ class Scene:
         arguments = (positions, _convert.indices(faces, "faces", 3, len(positions)),
                      None if normals is None else _convert.rows(normals, "normals", 3),
                      None if uvs is None else _convert.rows(uvs, "uvs", 2),
-                     None if colors is None else _convert.rows(colors, "colors", 3),
-                     None if alphas is None else _convert.column(alphas, "alphas"),
-                     _convert.index(material, "material"), _convert.text(name, "name"),
-                     -1 if object is None else _convert.index(object, "object"))
+                     *_looks(colors, alphas, material, name, object))
         with renamed(positions="vertices", triangles="faces"):
             self._core.add_mesh(*arguments)
         return self
@@ -86,10 +91,7 @@ class Scene:
         """
         arguments = (_convert.rows(points, "points", 3), _convert.number(size, "size"),
                      None if lines is None else _convert.indices(lines, "lines", 2, len(points)),
-                     None if colors is None else _convert.rows(colors, "colors", 3),
-                     None if alphas is None else _convert.column(alphas, "alphas"),
-                     _convert.index(material, "material"), _convert.text(name, "name"),
-                     -1 if object is None else _convert.index(object, "object"))
+                     *_looks(colors, alphas, material, name, object))
         with renamed(positions="points", diameter="size"):
             self._core.add_points(*arguments)
         return self

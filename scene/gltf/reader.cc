@@ -364,7 +364,7 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   if (options.vertex_colors == VertexColors::kOff) DropVertexColors(scene);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
-  if (!scene.animations.empty() && options.frame) {
+  if (!scene.animations.empty() && options.frame.value_or(0) != 0) {
     const Bounds first = BoundsAtFirstFrame(model, options, path, materials);
     if (!IsEmpty(first)) scene.first_bounds = first;
   }

@@ -178,6 +178,20 @@ class Trimesh(PackagesTest):
         ids = look(skywave.from_trimesh(path, point_size=0.2)).layers["object-id"]
         self.assertEqual((ids[20, 20] > 0, ids[10, 20] > 0), (True, False))
 
+    def test_arcs_of_paths_are_round_and_entities_have_their_colours(self):
+        path = self.trimesh.path.creation.circle(radius=0.75)
+        line = self.trimesh.load_path([[[0, 0], [0.25, 0]]])
+        path = self.trimesh.path.util.concatenate([path, line])
+        path.colors = [[255, 0, 0, 255], [0, 0, 255, 255]]
+        layers = look(skywave.from_trimesh(path, point_size=0.05)).layers
+        ids, albedo = layers["object-id"], layers["albedo"]
+        rows, columns = numpy.nonzero((ids > 0) & (albedo[..., 0] > albedo[..., 2]))
+        # Half of the picture's height is one unit of the plane.
+        radii = numpy.hypot(columns - (ids.shape[1] - 1) / 2, rows - (ids.shape[0] - 1) / 2)
+        self.assertGreater(len(radii), 60)
+        self.assertLess(numpy.ptp(radii), 4)
+        self.assertGreater(((ids > 0) & (albedo[..., 2] > albedo[..., 0])).sum(), 1)
+
 
 class Pyrender(PackagesTest):
     def setUp(self):
