@@ -31,11 +31,14 @@ class InstanceLanes {
     const std::size_t first = SKYWAVE_WORD(InstanceRecord, linear) + 3 * row;
     return {Word(first), Word(first + 1), Word(first + 2)};
   }
+  // Returns a vector of the object in the world.
+  HWY_INLINE V3 Vector(const V3& d) const {
+    return {Dot(Row(0), d), Dot(Row(1), d), Dot(Row(2), d)};
+  }
   // Returns a point of the object in the world.
   HWY_INLINE V3 Point(const V3& p) const {
     const std::size_t first = SKYWAVE_WORD(InstanceRecord, translation);
-    return V3{Dot(Row(0), p), Dot(Row(1), p), Dot(Row(2), p)} +
-           V3{Word(first), Word(first + 1), Word(first + 2)};
+    return Vector(p) + V3{Word(first), Word(first + 1), Word(first + 2)};
   }
   // Returns a normal of the object in the world, of another length (NormalInWorld).
   HWY_INLINE V3 Normal(const V3& n) const {
@@ -44,9 +47,7 @@ class InstanceLanes {
     return V3{Dot(Cross(r1, r2), n), Dot(Cross(r2, r0), n), Dot(Cross(r0, r1), n)} * factor;
   }
   // Returns a direction in the object as a unit vector of the world.
-  HWY_INLINE V3 Direction(const V3& d) const {
-    return Normalize({Dot(Row(0), d), Dot(Row(1), d), Dot(Row(2), d)});
-  }
+  HWY_INLINE V3 Direction(const V3& d) const { return Normalize(Vector(d)); }
   // Returns the area in the object of an area of 1 in the world with the unit normal n, which is
   // |M^T n| / |det M| (Nanson's formula).
   HWY_INLINE VF AreaInObject(const V3& n) const {

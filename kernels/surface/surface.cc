@@ -7,29 +7,13 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/simd/exp-inl.h"
-#include "kernels/simd/records-inl.h"
+#include "kernels/surface/corners-inl.h"
 #include "kernels/surface/instances-inl.h"
 #include "kernels/surface/lift-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
-
-// The corners of a triangle of each lane, in the space of its mesh.
-struct Corners {
-  V3 p0, p1, p2;
-};
-HWY_INLINE V3 GatherPosition(const float* positions, VU row) {
-  const Words4 words =
-      GatherWords4(reinterpret_cast<const std::uint32_t*>(positions), row + row + row);
-  return {AsFloat(words.w0), AsFloat(words.w1), AsFloat(words.w2)};
-}
-HWY_INLINE Corners GatherCorners(const TriangleTables& triangles, VU record) {
-  const Words4 rows = GatherWords4(triangles.corners, record + record + record);
-  return {GatherPosition(triangles.positions, rows.w0),
-          GatherPosition(triangles.positions, rows.w1),
-          GatherPosition(triangles.positions, rows.w2)};
-}
 
 template <bool kInstanced>
 HWY_INLINE void PrepareRows(const TriangleTables& tables, const MaterialRecord* materials,

@@ -9,6 +9,7 @@
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
 #include "wavefront/stages/projection.h"
+#include "wavefront/stages/terminator.h"
 
 namespace skywave {
 namespace {
@@ -29,6 +30,7 @@ std::uint32_t FollowDirect(const FrameView& frame, std::uint32_t n, Worker& w, F
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     ClampDirect(frame, bounce, w);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
+    RoundTerminator(frame, w);
     LightSurfaces(frame, bounce, w, clock);
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);

@@ -16,6 +16,7 @@
 #include "wavefront/stages/links.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/place.h"
+#include "wavefront/stages/terminator.h"
 
 namespace skywave {
 namespace {
@@ -103,6 +104,7 @@ std::span<const RenderOption> PathOptions() {
   static const std::vector<RenderOption> table = [] {
     std::vector<RenderOption> rows = {SplitOption()};
     for (const RenderOption& clamp : ClampOptionTable()) rows.push_back(clamp);
+    for (const RenderOption& rounding : TerminatorOptionTable()) rows.push_back(rounding);
     return rows;
   }();
   return table;
@@ -134,6 +136,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
     ClampDirect(frame, bounce, w);
     KeepAovs(frame, bounce, range.count, w, film, clock);
+    RoundTerminator(frame, w);
     LightSurfaces(frame, bounce, w, clock);
     ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);
     n = ScatterSurfaces(frame, kCameraEnd, kFirstDeltaBsdf, bounce, *next, w, clock);

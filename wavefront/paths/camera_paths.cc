@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "wavefront/stages/clamps.h"
+#include "wavefront/stages/terminator.h"
 
 namespace skywave {
 
@@ -27,6 +28,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     if (own.met != nullptr) RememberSurfaces(w);
     ClampDirect(frame, bounce, w);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
+    RoundTerminator(frame, w);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
