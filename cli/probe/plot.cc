@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <numbers>
 #include <optional>
 
@@ -12,8 +13,12 @@
 #include "bench/measure/plot.h"
 #include "cli/print.h"
 #include "cli/probe/commands.h"
+#include "job/sample_counts.h"
+#include "lights/light_sets/penrose.h"
 #include "lights/probe/densities.h"
 #include "lights/probe/plot.h"
+#include "lights/tables/max_pyramid.h"
+#include "scene/scene_hash.h"
 
 namespace skywave {
 namespace {
@@ -23,6 +28,7 @@ struct PlotFlags {
   LightRequest request;
   PlotRequest plot;
   std::string output, what = "map", view = "latlong", side = "front";
+  JobRequest job;  // of `what samples`
   std::optional<double> column;
 
   bool has_curves() const { return what == "thresholds" || what == "densities"; }
@@ -102,6 +108,48 @@ std::vector<Plot> CurvesOfDensities(const SphereMap& map, std::optional<double> 
   return plots;
 }
 
+// Throws OptionError where options of a render have nothing to say.
+void RequireNoRender(const PlotFlags& flags) {
+  if (flags.what == "samples") return;
+  const auto refuse = [](const char* option, const std::string& value) {
+    throw OptionError(option, value, "is of the render of `what samples`");
+  };
+  if (!flags.job.scene.empty()) refuse("scene", flags.job.scene);
+  if (!flags.job.strategy.empty()) refuse("strategy", flags.job.strategy);
+  if (flags.job.samples_per_pixel) refuse("spp", fmt::format("{}", *flags.job.samples_per_pixel));
+}
+
+// Returns how often a render of the scene samples each texel of the map (T figure 7.3).
+Image CountsOf(PlotFlags& flags, const Image& latlong) {
+  if (flags.job.scene.empty()) {
+    throw OptionError("scene", "", "is missing: `what samples` is of a render");
+  }
+  EnvironmentRequest& environment = flags.job.environment;
+  environment.image = std::make_shared<Image>(latlong);
+  environment.image_hash = MapHash(latlong);
+  environment.projection = Projection::kLatLong;
+  constexpr std::uint32_t kSamples = 4;
+  flags.job.samples_per_pixel = flags.job.samples_per_pixel.value_or(kSamples);
+  Image counts = CountSamples(RenderJob(flags.job));
+  double samples = 0;
+  for (std::size_t i = 0; i < counts.rgb.size(); i += 3) samples += double(counts.rgb[i]);
+  Print(stdout, "{:.0f} light samples\n", samples);
+  return counts;
+}
+
+// Returns the dots of lights before and after they are merged, in the thesis's colours.
+std::vector<PlotDots> DotsOfMerging(const SphereMap& map, const LightOptions& options) {
+  if (!options.cluster) {
+    throw OptionError("cluster", "none", "merges no lights: `what merging` needs F1, F2 or F3");
+  }
+  MergedSamples samples = MergeSamples(map, options);
+  Print(stdout, "{} lights stay, {} are merged into {}\n", samples.kept.size(),
+        samples.merged.size(), samples.made.size());
+  return {{std::move(samples.merged), {0.9, 0.1, 0.1}},
+          {std::move(samples.kept), {0.1, 0.1, 0.1}},
+          {std::move(samples.made), {0.1, 0.8, 0.2}}};
+}
+
 int PlotMain(PlotFlags& flags) {
   CheckOutputs(std::array{flags.output}, std::array{flags.map.path});
   const bool svg = flags.output.ends_with(".svg");
@@ -114,6 +162,7 @@ int PlotMain(PlotFlags& flags) {
     throw OptionError("column", fmt::format("{}", *flags.column),
                       fmt::format("is that of `what densities`, not of `what {}`", flags.what));
   }
+  RequireNoRender(flags);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   if (flags.has_curves()) {
@@ -129,6 +178,15 @@ int PlotMain(PlotFlags& flags) {
   if (flags.what == "density") {
     const Image density = JointDensity(map);
     return WritePlot(flags, MakeSphereMap(density));
+  }
+  if (flags.what == "samples") {
+    const Image counts = CountsOf(flags, latlong);
+    return WritePlot(flags, MakeSphereMap(counts));
+  }
+  if (flags.what == "merging") flags.plot.dots = DotsOfMerging(map, flags.request.lights);
+  if (flags.what == "plane") {
+    const PenroseSet samples = PenroseSamples(PlanePyramid(map), flags.request.lights.lights, {});
+    flags.plot.dots = {{Directions(samples), {0.1, 0.1, 0.1}}};
   }
   ProbeLights lights;
   if (flags.what == "lights" || flags.what == "cells") {
@@ -156,7 +214,10 @@ std::vector<OptionOf<PlotFlags>> PlotOptions() {
   // clang-format off
   return {
     option({.name = "output", .help = "PNG file; curves: SVG", .letter = 'o', .required = true}, FIELD(output), Texts("PNG|SVG")),
-    option({.name = "what", .help = "the map, its lights, their cells as well, its strata, or its density p(u, v); curves: of the densities p(u) and p(v | u), or of thresholds, f, g and zeta of the strata (T 7.9 to 7.17)"}, FIELD(what), OneOf("map|lights|cells|strata|density|densities|thresholds")),
+    option({.name = "what", .help = "the map, its lights, their cells as well, its strata, or its density p(u, v); how often a render samples it (T 7.3), lights that are merged (red) into others (green) and those that stay (T 7.18), or Penrose samples as if it were a plane (T 5.4a); curves: of the densities p(u) and p(v | u), or of thresholds, f, g and zeta of the strata (T 7.9 to 7.17)"}, FIELD(what), OneOf("map|lights|cells|strata|density|samples|merging|plane|densities|thresholds")),
+    option({.name = "scene", .help = "scene that `what samples` renders"}, FIELD(job.scene), Texts("SCENE")),
+    option({.name = "strategy", .help = "its strategy", .default_text = "importance", .metavar = "NAME[:KEY=VALUE,...]"}, FIELD(job.strategy), Texts("a strategy")),
+    option({.name = "spp", .help = "its samples per pixel", .default_text = "4"}, FIELD(job.samples_per_pixel), Numbers(1u, 1u << 16)),
     option({.name = "column", .help = "u of the column of `what densities`", .default_text = "the brightest"}, FIELD(column), Numbers(0.0, 1.0)),
     option({.name = "view", .help = "the whole map, or the sphere from outside"}, FIELD(view), OneOf("latlong|sphere")),
     option({.name = "side", .help = "side from which the sphere is seen"}, FIELD(side), OneOf("front|back|left|right|up|down")),
@@ -179,6 +240,7 @@ Command ProbePlotCommand() {
           "Examples:\n"
           "  skywave probe plot sky.exr --what cells --method penrose -n 360 -o cells.png\n"
           "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png\n"
+          "  skywave probe plot sky.exr --what samples --scene spheres -o samples.png\n"
           "  skywave probe plot sky.exr --what thresholds -o curves.svg",
       .run = [flags](const GivenOptions&) { return PlotMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));

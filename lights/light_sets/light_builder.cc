@@ -72,11 +72,11 @@ std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& opti
   return samples;
 }
 
-std::vector<Vector3> Cluster(const SphereMap& map, const std::vector<Vector3>& samples,
-                             const LightOptions& options) {
+Clustering Cluster(const SphereMap& map, const std::vector<Vector3>& samples,
+                   const LightOptions& options) {
   const CellMap cells = VoronoiCells(map.width, map.height, samples);
   const std::vector<CellSums> sums = SumCells(map, cells, samples.size());
-  return ClusterPairwise(samples, Frequencies(sums, *options.cluster), options.stop).directions;
+  return ClusterPairwise(samples, Frequencies(sums, *options.cluster), options.stop);
 }
 
 // Returns the lights of the least number tried whose bias is at most options.bias.
@@ -129,8 +129,24 @@ LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
   const bool points = PlacesPoints(options.source) || options.cluster || options.lloyd_steps > 0;
   if (!points) return CutLights(map, options, options.position);
   std::vector<Vector3> samples = PlaceSamples(map, options);
-  if (options.cluster) samples = Cluster(map, samples, options);
+  if (options.cluster) samples = Cluster(map, samples, options).directions;
   return VoronoiLights(map, std::move(samples), options.position, options.lloyd_steps);
+}
+
+MergedSamples MergeSamples(const SphereMap& map, const LightOptions& options) {
+  const std::vector<Vector3> samples = PlaceSamples(map, options);
+  const Clustering clusters = Cluster(map, samples, options);
+  std::vector<int> members(clusters.directions.size());
+  for (const std::uint32_t cluster : clusters.cluster_of_sample) ++members[cluster];
+  MergedSamples all;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool alone = members[clusters.cluster_of_sample[i]] == 1;
+    (alone ? all.kept : all.merged).push_back(samples[i]);
+  }
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (members[i] > 1) all.made.push_back(clusters.directions[i]);
+  }
+  return all;
 }
 
 std::span<const StrategyParameter> LightParameters() { return kLightParameters; }

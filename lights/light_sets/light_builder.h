@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/names.h"
 #include "lights/light_sets/clustering.h"
@@ -75,6 +76,15 @@ inline constexpr auto kEnumNames<ClusterFrequency> =
 // last two, to a sixteenth of the number. Throws OptionError where none has so small a bias.
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
 inline constexpr int kMostLights = 30000;
+
+// The samples of a map and what clustering makes of them (T figure 7.18).
+struct MergedSamples {
+  std::vector<Vector3> kept;    // those that stay as they are
+  std::vector<Vector3> merged;  // those that are merged
+  std::vector<Vector3> made;    // into these
+};
+// Returns those of `options`, which has a cluster.
+MergedSamples MergeSamples(const SphereMap& map, const LightOptions& options);
 
 // Describes to the user what BuildLights has chosen; empty if it had no choice.
 std::string NoteOfLights(const LightSet& set);

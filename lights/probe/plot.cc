@@ -158,7 +158,8 @@ void DrawBorders(const Canvas& canvas, const Id& id, const Color& color, double 
 }
 
 // Draws an antialiased disk with a dark outline, across the seam of a flat map too.
-void DrawDot(const Canvas& canvas, double x, double y, double radius, std::vector<Color>& picture) {
+void DrawDot(const Canvas& canvas, double x, double y, double radius, const Color& color,
+             std::vector<Color>& picture) {
   constexpr double kOutline = 1.3;
   const double reach = radius + kOutline + 1;
   const int y0 = std::max(int(y - reach), 0), y1 = std::min(int(y + reach) + 1, canvas.height);
@@ -170,13 +171,14 @@ void DrawDot(const Canvas& canvas, double x, double y, double radius, std::vecto
       const double distance = std::hypot(px + 0.5 - x, py + 0.5 - y);
       Color& pixel = picture[std::size_t(py) * canvas.width + column];
       Blend({0.02, 0.05, 0.1}, std::clamp(radius + kOutline + 0.5 - distance, 0.0, 1.0), pixel);
-      Blend({0.35, 1.0, 0.95}, std::clamp(radius + 0.5 - distance, 0.0, 1.0), pixel);
+      Blend(color, std::clamp(radius + 0.5 - distance, 0.0, 1.0), pixel);
     }
   }
 }
 
 void DrawLights(const Canvas& canvas, const std::vector<DirectionalLight>& lights,
                 std::vector<Color>& picture) {
+  constexpr Color kLight = {0.35, 1.0, 0.95};
   if (lights.empty()) return;
   double mean = 0;
   for (const DirectionalLight& light : lights) mean += light.energy / double(lights.size());
@@ -185,7 +187,17 @@ void DrawLights(const Canvas& canvas, const std::vector<DirectionalLight>& light
     const auto point = canvas.Point(light.direction);
     if (!point) continue;
     const double size = std::clamp(std::log2(light.energy / mean) / 4, -1.0, 1.5);
-    DrawDot(canvas, (*point)[0], (*point)[1], std::max(unit * (3.4 + 1.4 * size), 1.2), picture);
+    DrawDot(canvas, (*point)[0], (*point)[1], std::max(unit * (3.4 + 1.4 * size), 1.2), kLight,
+            picture);
+  }
+}
+
+void DrawDots(const Canvas& canvas, const PlotDots& dots, std::vector<Color>& picture) {
+  const double unit = canvas.height / 512.0;
+  for (const Vector3& direction : dots.directions) {
+    const auto point = canvas.Point(direction);
+    if (point)
+      DrawDot(canvas, (*point)[0], (*point)[1], std::max(2 * unit, 1.2), dots.color, picture);
   }
 }
 
@@ -221,6 +233,7 @@ std::vector<std::uint8_t> PlotMap(const SphereMap& map, const PlotRequest& reque
     DrawBorders(canvas, stratum, {0.2, 1.0, 0.3}, 1.0, picture);
   }
   DrawLights(canvas, request.lights, picture);
+  for (const PlotDots& dots : request.dots) DrawDots(canvas, dots, picture);
   std::vector<std::uint8_t> rgb;
   rgb.reserve(3 * picture.size());
   for (const Color& color : picture) {

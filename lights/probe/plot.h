@@ -1,6 +1,7 @@
 // Plots are pictures of maps with lights, cells and strata on them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,12 @@
 namespace skywave {
 
 enum class PlotView { kLatLong, kFront, kBack, kLeft, kRight, kUp, kDown };
+
+// Dots of one size and colour (as shown, [0, 1]).
+struct PlotDots {
+  std::vector<Vector3> directions;
+  std::array<double, 3> color;
+};
 
 struct PlotRequest {
   bool log_color = true;  // false colour of log luminance; false: tone-mapped
@@ -22,6 +29,7 @@ struct PlotRequest {
   const CellMap* cells = nullptr;        // borders
   const Strata* strata = nullptr;        // B is dimmed, the border of A drawn
   std::vector<DirectionalLight> lights;  // dots; the area grows with the energy's logarithm
+  std::vector<PlotDots> dots;            // in the order in which they are drawn
 };
 
 // Returns 8-bit RGB, rows from the top; sets width and height. Throws InputError for a height below

@@ -77,4 +77,8 @@ MaxPyramid ImportancePyramid(const SphereMap& map) {
   return MakeMaxPyramid(map.width, map.height, std::move(importance));
 }
 
+MaxPyramid PlanePyramid(const SphereMap& map) {
+  return MakeMaxPyramid(map.width, map.height, {map.luminance.begin(), map.luminance.end()});
+}
+
 }  // namespace skywave

@@ -33,5 +33,8 @@ MaxPyramid MakeMaxPyramid(int width, int height, std::vector<float> values);
 // Returns the importance of texels for samplers in the plane of the map: luminance times the exact
 // solid angle of the texel, relative to that of the middle row.
 MaxPyramid ImportancePyramid(const SphereMap& map);
+// The same of the luminance alone, as if the map were a plane: samples of it crowd at the poles of
+// the sphere (T figure 5.4a).
+MaxPyramid PlanePyramid(const SphereMap& map);
 
 }  // namespace skywave

@@ -340,6 +340,27 @@ TEST_F(ProbeCommand, PlotsDrawTheCurvesOfSampling) {
   EXPECT_NE(out_.find("--column 0.25: is that of"), std::string::npos) << out_;
 }
 
+TEST_F(ProbeCommand, PlotsDrawSamplesOfRendersAndMergedLights) {
+  ASSERT_EQ(Probe("plot sun.exr --height 64 -o map.png"), 0) << out_;
+  ASSERT_EQ(Probe("plot sun.exr --what samples --scene spheres --spp 1 --height 64 -o s.png"), 0)
+      << out_;
+  EXPECT_NE(out_.find(" light samples"), std::string::npos) << out_;
+  EXPECT_NE(ReadFile(File("s.png")), ReadFile(File("map.png")));
+  ASSERT_EQ(Probe("plot sun.exr --what merging --method penrose -n 60 --cluster F1 --clusters 40 "
+                  "--height 64 -o m.png"),
+            0)
+      << out_;
+  EXPECT_NE(out_.find(" are merged into "), std::string::npos) << out_;
+  ASSERT_EQ(Probe("plot sun.exr --what plane -n 60 --height 64 -o p.png"), 0) << out_;
+  EXPECT_NE(ReadFile(File("p.png")), ReadFile(File("m.png")));
+  EXPECT_EQ(Probe("plot sun.exr --what merging -o m.png"), kExitUsage);
+  EXPECT_NE(out_.find("merges no lights"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("plot sun.exr --what samples -o m.png"), kExitUsage);
+  EXPECT_NE(out_.find("--scene"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("plot sun.exr --what cells --scene spheres -o m.png"), kExitUsage);
+  EXPECT_NE(out_.find("--scene spheres: is of the render"), std::string::npos) << out_;
+}
+
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   ASSERT_EQ(Probe("presample sun.exr -n 30 -o set.json --cells cells.png"), 0) << out_;
   const auto json = nlohmann::json::parse(ReadFile(File("set.json")));
