@@ -45,7 +45,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
   std::vector<std::string> notes = CheckNoisy(flags.input, flags.limits);
   const Denoiser by = ResolveDenoiser(flags.by);
-  const LayeredImage noisy = ReadDataWindow(flags.input, DenoiserChannels(), flags.limits);
+  const LayeredImage noisy = ReadOwnColors(flags.input, DenoiserChannels(), flags.limits);
   Denoised clean = ArenaOf(flags.threads).execute([&] {
     return Denoise(by, flags.input, noisy.image, noisy.layers);
   });
@@ -54,7 +54,8 @@ int DenoiseMain(const DenoiseFlags& flags) {
       .layers = noisy.layers,
       .notes = std::move(notes),
       .metadata = OfDerived(ReadExrMetadata(flags.input, flags.limits), "noisyCommand"),
-      .placement = noisy.placement};
+      .placement = noisy.placement,
+      .space = noisy.space};
   for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
   picture.metadata.emplace_back("denoiser", ToString(by));
   if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);

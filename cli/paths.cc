@@ -28,8 +28,9 @@ namespace {
 // There are two pictures per technique: 2 (1 + 3 + 4 + ... ) of them.
 constexpr std::uint32_t kDeepest = 8;
 
-// The layers are reserved for the techniques, whose splats have no noise that a denoiser knows.
-constexpr std::string_view kNotOfPaths[] = {"aovs", "denoise"};
+// The layers are reserved for the techniques, whose splats have no noise that a denoiser knows, and
+// the sheet shows them as they are.
+constexpr std::string_view kNotOfPaths[] = {"aovs", "denoise", "working-space"};
 
 struct PathsFlags {
   JobRequest request;

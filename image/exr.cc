@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/files.h"
 #include "image/exr_header.h"
@@ -169,8 +170,8 @@ std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view
   return LayersBeside(ChooseChannels(path, header.channels).names, header);
 }
 
-LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
-                           const ReadLimits& limits, const std::vector<std::string>& layers) {
+LayeredImage DecodeExrColors(const std::string& path, std::string_view bytes,
+                             const ReadLimits& limits, const std::vector<std::string>& layers) {
   const ExrHeader header = HeaderOfPicture(path, bytes, limits);
   const PictureChannels chosen = ChooseChannels(path, header.channels);
   const std::vector<std::string>& names = chosen.names;
@@ -200,8 +201,21 @@ LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
   if (chosen.by_luminance && !interpolate) {
     ColorsOfLuminance(header.primaries.value_or(kRec709), picture.image);
   }
-  if (header.primaries) ConvertToRec709(*header.primaries, picture.image);
+  if (header.primaries) {
+    if (const std::optional<RgbSpace> space = SpaceOf(*header.primaries)) {
+      picture.space = *space;
+    } else {
+      ConvertToRec709(*header.primaries, picture.image);
+    }
+  }
   picture.placement = PlacementOf(header);
+  return picture;
+}
+
+LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
+                           const ReadLimits& limits, const std::vector<std::string>& layers) {
+  LayeredImage picture = DecodeExrColors(path, bytes, limits, layers);
+  ConvertToRec709(PrimariesOf(std::exchange(picture.space, RgbSpace::kRec709)), picture.image);
   return picture;
 }
 

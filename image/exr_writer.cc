@@ -1,10 +1,12 @@
 // Writes OpenEXR pictures with the OpenEXR library, strip by strip.
 
 #include <ImfChannelList.h>
+#include <ImfChromaticities.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
 #include <tbb/parallel_pipeline.h>
@@ -23,6 +25,7 @@
 #include "image/exr_header.h"
 #include "image/exr_strip.h"
 #include "image/image.h"
+#include "image/primaries.h"
 
 namespace skywave {
 namespace {
@@ -74,6 +77,12 @@ Imf::Header HeaderOf(const Image& image, const Metadata& metadata,
     if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
     header.insert(name, Imf::StringAttribute(text));
   }
+  const RgbPrimaries& primaries = PrimariesOf(format.space);
+  const auto place_of = [](const glm::dvec2& c) { return Imath::V2f(float(c.x), float(c.y)); };
+  Imf::addChromaticities(header,
+                         Imf::Chromaticities(place_of(primaries.red), place_of(primaries.green),
+                                             place_of(primaries.blue), place_of(primaries.white)));
+  header.insert("colorInteropID", Imf::StringAttribute(std::string(InteropId(format.space))));
   for (const WrittenChannel& channel : channels) {
     header.channels().insert(channel.name, Imf::Channel(channel.half ? Imf::HALF : Imf::FLOAT));
   }

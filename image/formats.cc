@@ -145,6 +145,11 @@ LayeredImage ReadDataWindow(const std::string& path, const std::vector<std::stri
   return ReadBy(DecodeExrPart, path, layers, limits);
 }
 
+LayeredImage ReadOwnColors(const std::string& path, const std::vector<std::string>& layers,
+                           const ReadLimits& limits) {
+  return ReadBy(DecodeExrColors, path, layers, limits);
+}
+
 bool IsRgba(const std::string& path, const ReadLimits& limits) {
   const std::string bytes = ReadFile(path);
   // The places of PNG's type of colours and of QOI's number of channels.

@@ -22,6 +22,9 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
 // The same of the data window alone.
 LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
                            const ReadLimits& limits, const std::vector<std::string>& layers = {});
+// The same, where colours in an RgbSpace stay in it.
+LayeredImage DecodeExrColors(const std::string& path, std::string_view bytes,
+                             const ReadLimits& limits, const std::vector<std::string>& layers = {});
 // Returns the channels next to the picture, without decoding anything.
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
                                        const ReadLimits& limits);

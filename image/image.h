@@ -15,6 +15,7 @@
 
 #include "base/large_memory.h"
 #include "base/names.h"
+#include "image/rgb_space.h"
 
 namespace skywave {
 
@@ -121,6 +122,7 @@ struct ExrFormat {
   int threads = 0;  // 0: as many as the process may use
   // The larger picture is the display window, and the part that is written the data window.
   Placement placement = {};
+  RgbSpace space = RgbSpace::kRec709;  // that of the colours, which the header says
 };
 // Writes a scan-line EXR with R, G, B and `layers`, all of them 32-bit floats unless `format` says
 // otherwise. Identical input gives identical bytes for any number of threads. `before_rename`: as
@@ -134,6 +136,7 @@ struct LayeredImage {
   std::vector<NamedChannel> layers = {};
   Metadata attributes = {};  // what the header has to say of the layers
   Placement placement = {};
+  RgbSpace space = RgbSpace::kRec709;  // of picture and layers, see ReadOwnColors
 };
 // Reads a picture as ReadImage does, and the channels `layers` next to it ("variance.R"), each of
 // them named once, in the order of `layers`. Throws InputError also for a channel that the file
@@ -144,6 +147,10 @@ LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::st
 // made up.
 LayeredImage ReadDataWindow(const std::string& path, const std::vector<std::string>& layers = {},
                             const ReadLimits& limits = {});
+// The same without conversion of colours that are in an RgbSpace: they go with the layers, of which
+// nothing knows whether they are colours.
+LayeredImage ReadOwnColors(const std::string& path, const std::vector<std::string>& layers = {},
+                           const ReadLimits& limits = {});
 // Returns the names of the channels next to the picture in the order of the file, which are none
 // unless it is an EXR.
 std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits = {});

@@ -50,6 +50,47 @@ glm::dmat3 AdaptToD65(const glm::dvec2& white) {
   return glm::inverse(cones) * scale * cones;
 }
 
+const RgbPrimaries& PrimariesOf(RgbSpace space) {
+  static constexpr RgbPrimaries kRec2020 = {
+      {0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65};
+  static constexpr RgbPrimaries kAp1 = {
+      {0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}};
+  switch (space) {
+    case RgbSpace::kRec709:
+      return kRec709;
+    case RgbSpace::kRec2020:
+      return kRec2020;
+    case RgbSpace::kAcescg:
+      return kAp1;
+  }
+  return kRec709;
+}
+
+std::optional<RgbSpace> SpaceOf(const RgbPrimaries& primaries) {
+  for (const Named<RgbSpace>& named : kEnumNames<RgbSpace>) {
+    if (AreEqual(primaries, PrimariesOf(named.value))) return named.value;
+  }
+  return std::nullopt;
+}
+
+std::string_view InteropId(RgbSpace space) {
+  switch (space) {
+    case RgbSpace::kRec709:
+      return "lin_rec709_scene";
+    case RgbSpace::kRec2020:
+      return "lin_rec2020_scene";
+    case RgbSpace::kAcescg:
+      return "lin_ap1_scene";
+  }
+  return "";
+}
+
+glm::dmat3 FromRec709(RgbSpace space) {
+  if (space == RgbSpace::kRec709) return glm::dmat3(1);
+  const RgbPrimaries& p = PrimariesOf(space);
+  return glm::inverse(AdaptToD65(p.white) * XyzFromRgb(p)) * XyzFromRgb(kRec709);
+}
+
 void ConvertToRec709(const RgbPrimaries& p, Image& image) {
   if (AreEqual(p, kRec709)) return;
   const glm::dmat3 adapt = AreEqual(p, kXyz) ? glm::dmat3(1) : AdaptToD65(p.white);
@@ -57,6 +98,7 @@ void ConvertToRec709(const RgbPrimaries& p, Image& image) {
 }
 
 void ConvertColors(const glm::dmat3& matrix, Image& image) {
+  if (matrix == glm::dmat3(1)) return;
   tbb::parallel_for(0, image.height, [&](int y) {
     for (int x = 0; x < image.width; ++x) {
       float* const pixel = image.Pixel(x, y);

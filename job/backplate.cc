@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "image/primaries.h"
+
 namespace skywave {
 namespace {
 
@@ -62,9 +64,10 @@ Image Scaled(const Image& image, int width, int height) {
 
 }  // namespace
 
-Backplate ReadBackplate(const std::string& path, int width, int height) {
+Backplate ReadBackplate(const std::string& path, int width, int height, RgbSpace space) {
   Backplate plate = {.image = {}, .of_screen = IsOfScreen(path), .note = ""};
   plate.image = plate.of_screen ? ReadTexture(path, Encoding::kSrgb) : ReadImage(path);
+  ConvertColors(FromRec709(space), plate.image);
   const Image& image = plate.image;
   if (image.width == width && image.height == height) return plate;
   const bool same_shape = std::int64_t{image.width} * height == std::int64_t{image.height} * width;

@@ -16,8 +16,9 @@ struct Backplate {
 };
 
 // Reads a photograph and fits it to a film: it is scaled until it covers the film, and what is left
-// over is cut off on both sides alike. Throws InputError.
-Backplate ReadBackplate(const std::string& path, int width, int height);
+// over is cut off on both sides alike. Its colours are converted to the space. Throws InputError.
+Backplate ReadBackplate(const std::string& path, int width, int height,
+                        RgbSpace space = RgbSpace::kRec709);
 
 // Returns `foreground`, whose colours are multiplied by `alpha`, over the pixels `window` of a
 // backplate. `factor` is that of its colours.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "image/primaries.h"
 #include "job/map_sequence.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
@@ -35,9 +36,10 @@ std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest&
   return lights;
 }
 
-// Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
+// Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it,
+// and converts it to the space.
 // A map of the scene may be any picture, as in pbrt; one that is asked for has radiance.
-void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
+void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request, RgbSpace space,
              std::vector<std::string>& notes) {
   if (!light.map && light.map_path.empty() && !request.image) {
     light.map = Image(1, 1);
@@ -68,6 +70,7 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
       for (int c = 0; c < 3; ++c) light.map->rgb[i + std::size_t(c)] *= factor[c];
     }
   }
+  ConvertColors(FromRec709(space), *light.map);
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
     notes.push_back(fmt::format("{}: {} pixels exceed all bounds at this intensity and are limited",
                                 name, bad.total()));
@@ -111,7 +114,8 @@ void SpreadSinglePixel(Image& map) {
 EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
                                  std::vector<std::string>& notes) {
   std::vector<EnvironmentLight> lights = ChooseLights(scene, request);
-  for (EnvironmentLight& light : lights) LoadMap(light, request.environment, notes);
+  for (EnvironmentLight& light : lights)
+    LoadMap(light, request.environment, request.working_space, notes);
   if (lights.size() == 1) {
     SpreadSinglePixel(*lights.front().map);
     return std::move(lights.front());

@@ -20,6 +20,7 @@
 #include "scene/instances.h"
 #include "scene/reader.h"
 #include "scene/shapes/ground.h"
+#include "scene/working_space.h"
 
 namespace skywave {
 namespace {
@@ -116,6 +117,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
       AddGround(*scene, scene->first_bounds.value_or(prepared.bounds));
       prepared.whole_bounds = SceneBounds(*scene, request.scene);
     }
+    ConvertScene(request.working_space, *scene);
     if (request.ground == Ground::kCatcher) scene->materials.back().catcher = true;
     Mark("catcher", request.catchers, FlagOf(&Material::catcher), *scene);
     Mark("holdout", request.holdouts, FlagOf(&Material::holdout), *scene);

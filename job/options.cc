@@ -324,6 +324,8 @@ std::vector<JobOption> CommonRows() {
           FIELD(filter), NamesOfEnum<PixelFilter>()), ResolveFilter),
     Resolved(MakeOption<JobRequest>({.name = "filter-radius", .group = kFilm, .help = "radius of the filter [pixels]; 0: the filter's own", .scope = kPixels, .example = "--filter-radius 0.7", .default_text = "the filter's own"},
           FIELD(options.filter_radius), Floats(0, 100)), nullptr),
+    Plain({.name = "working-space", .group = kFilm, .help = "space of red, green and blue in which light is computed and the EXR written; files of other spaces are converted to it, and the PNG from it", .scope = kPixels, .changes = Tables::kPrepared | Tables::kMap | Tables::kSceneLights, .example = "--working-space acescg"},
+          FIELD(working_space), NamesOfEnum<RgbSpace>()),
     Plain({.name = "seed", .group = kFilm, .help = "seed of the random numbers", .scope = kPixels, .example = "--seed 77", .in_suite = true},
           FIELD(options.seed), Numbers(0u, 0xFFFFFFFFu)),
     Plain({.name = "coherent-noise", .group = kFilm, .help = "the same noise in all frames; without: --frame decides it together with --seed", .scope = kPixels, .example = "--frame 3 --coherent-noise"},

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "image/primaries.h"
 #include "job/backplate.h"
 #include "job/denoise/denoise.h"
 #include "job/denoise/oidn.h"
@@ -125,7 +126,8 @@ std::vector<float> TakeLayer(std::string_view name, Picture& picture) {
 Backplate BehindPicture(const PictureIdentity& identity, const Picture& picture) {
   if (picture.alpha.empty()) return {};
   if (!identity.backplate.empty()) {
-    return ReadBackplate(identity.backplate, identity.film.width, identity.film.height);
+    return ReadBackplate(identity.backplate, identity.film.width, identity.film.height,
+                         picture.space);
   }
   Backplate behind;
   std::size_t c = 0;
@@ -268,6 +270,12 @@ Denoiser DenoiserOf(const PictureIdentity& identity) {
   return Parse<Denoiser>(ValueOf(*option)).value_or(Denoiser::kStatistics);  // the switch alone
 }
 
+RgbSpace SpaceOf(const PictureIdentity& identity) {
+  const RecordedOption* const option = Find(identity.options, "working-space");
+  if (option == nullptr) return RgbSpace::kRec709;  // of a film that knew no other one
+  return Parse<RgbSpace>(ValueOf(*option)).value_or(RgbSpace::kRec709);
+}
+
 bool IsTransparent(const PictureIdentity& identity) {
   const RecordedOption* const option = Find(identity.options, "background");
   return option != nullptr && ValueOf(*option) == ToString(Background::kTransparent);
@@ -314,6 +322,7 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
   Picture picture;
+  picture.space = SpaceOf(identity);
   picture.metadata = std::move(metadata);
   picture.metadata.insert(picture.metadata.end(), resolved.attributes.begin(),
                           resolved.attributes.end());
@@ -345,8 +354,9 @@ Metadata OfDerived(Metadata metadata, std::string_view command) {
 }
 
 void Expose(const ExposureRequest& resolved, Picture& picture) {
-  picture.tone = picture.composite.rgb.empty() ? Tone(resolved, picture.image, picture.layers)
-                                               : Tone(resolved, picture.composite);
+  picture.tone = picture.composite.rgb.empty()
+                     ? Tone(resolved, InRec709(picture.image, picture.space), picture.layers)
+                     : Tone(resolved, InRec709(picture.composite, picture.space));
   std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
   if (!IsAutomatic(resolved)) return;
   const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
@@ -405,6 +415,7 @@ void WriteExr(const std::string& path, const Picture& picture,
               const std::function<void()>& before_rename) {
   ExrFormat format = picture.format;
   format.placement = picture.placement;
+  format.space = picture.space;
   if (picture.alpha.empty()) {
     WriteExr(path, picture.image, picture.metadata, picture.layers, format, before_rename);
     return;
@@ -421,14 +432,16 @@ void WriteExr(const std::string& path, const Picture& picture,
 void WriteExr(const std::string& path, const Picture& picture) { WriteExr(path, picture, {}); }
 
 std::string EncodePng(const Picture& picture) {
-  const Image& image = picture.image;
+  const int width = picture.image.width, height = picture.image.height;
+  const auto bytes_of = [&](const Image& image) {
+    return ToneMap(InRec709(image, picture.space), picture.tone);
+  };
   return ArenaOf(picture.format.threads).execute([&] {
-    if (picture.alpha.empty() || !picture.composite.rgb.empty()) {
-      return EncodePng(image.width, image.height,
-                       ToneMap(picture.alpha.empty() ? image : picture.composite, picture.tone));
+    if (picture.alpha.empty()) return EncodePng(width, height, bytes_of(picture.image));
+    if (!picture.composite.rgb.empty()) {
+      return EncodePng(width, height, bytes_of(picture.composite));
     }
-    return EncodePng(image.width, image.height, ToneMap(Straight(picture), picture.tone),
-                     ToBytes(picture.alpha));
+    return EncodePng(width, height, bytes_of(Straight(picture)), ToBytes(picture.alpha));
   });
 }
 

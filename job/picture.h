@@ -61,6 +61,9 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 // Returns how the picture is denoised.
 Denoiser DenoiserOf(const PictureIdentity& identity);
 
+// Returns the space of its colours.
+RgbSpace SpaceOf(const PictureIdentity& identity);
+
 // Returns whether the picture has alpha.
 bool IsTransparent(const PictureIdentity& identity);
 
@@ -79,9 +82,10 @@ struct Picture {
   std::vector<NamedChannel> layers;
   std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;
-  Placement placement;  // in the whole film, unless it shows all of that
-  ToneMapping tone;     // of the PNG
-  ExrFormat format;     // its number of threads is that of the PNG, too
+  Placement placement;                 // in the whole film, unless it shows all of that
+  RgbSpace space = RgbSpace::kRec709;  // of all colours; those of the PNG are of Rec. 709
+  ToneMapping tone;                    // of the PNG
+  ExrFormat format;                    // its number of threads is that of the PNG, too
 };
 
 // Returns the picture that `film` holds. `part` names its samples; `samples` counts them. `layers`

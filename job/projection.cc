@@ -49,7 +49,8 @@ void ForEachTexel(const EnvironmentMap& map, const glm::dvec3& up, const F& f) {
 
 // Projects the photograph behind the picture; returns whether it shows radiance.
 bool ProjectPhotograph(const JobRequest& request, const Camera& camera, ProjectedPlace& place) {
-  Backplate plate = ReadBackplate(request.backplate, *request.width, *request.height);
+  Backplate plate =
+      ReadBackplate(request.backplate, *request.width, *request.height, request.working_space);
   place.photograph = std::move(plate.image);
   place.photograph_view = ViewPhotograph(place.photograph, camera);
   place.projection.photograph = &place.photograph_view;

@@ -62,10 +62,10 @@ Picture PictureOfExr(const std::string& path, const ReadLimits& limits) {
   for (const std::string& name : ReadLayerNames(path, limits)) {
     if (name.starts_with(kPrefix) || name == "A") wanted.push_back(name);
   }
-  LayeredImage read = ReadDataWindow(path, wanted, limits);
+  LayeredImage read = ReadOwnColors(path, wanted, limits);
   Picture picture;
   picture.image = std::move(read.image), picture.layers = std::move(read.layers);
-  picture.placement = read.placement;
+  picture.placement = read.placement, picture.space = read.space;
   picture.metadata = ReadExrMetadata(path, limits);
   const auto alpha = std::find_if(picture.layers.begin(), picture.layers.end(),
                                   [](const NamedChannel& layer) { return layer.name == "A"; });

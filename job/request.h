@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/names.h"
+#include "image/rgb_space.h"
 #include "job/denoise/denoiser.h"
 #include "lights/maps/environment_map.h"
 #include "scene/read_options.h"
@@ -110,9 +111,10 @@ struct JobRequest {
   std::optional<Integrator> integrator;
   std::optional<std::uint32_t> samples_per_pixel, max_depth;
   std::optional<PixelFilter> filter;
-  Denoiser denoise = Denoiser::kNone;  // the film keeps what it reads
-  bool coherent_noise = false;         // the frame does not change the seed
-  RenderOptions options;               // everything that a scene file cannot set
+  RgbSpace working_space = RgbSpace::kRec709;  // of all colours, and of the EXR
+  Denoiser denoise = Denoiser::kNone;          // the film keeps what it reads
+  bool coherent_noise = false;                 // the frame does not change the seed
+  RenderOptions options;                       // everything that a scene file cannot set
 };
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).

@@ -1,4 +1,4 @@
-// Reads the corners of triangles, and what lies between them.
+// Reads the corners of triangles.
 #if defined(SKYWAVE_KERNELS_CORNERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_CORNERS_INL_H_
 #undef SKYWAVE_KERNELS_CORNERS_INL_H_
@@ -7,7 +7,7 @@
 #endif
 
 #include "kernels/simd/records-inl.h"
-#include "kernels/surface/surface.h"
+#include "kernels/simd/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -22,11 +22,11 @@ HWY_INLINE V3 GatherPosition(const float* positions, VU row) {
       GatherWords4(reinterpret_cast<const std::uint32_t*>(positions), row + row + row);
   return {AsFloat(words.w0), AsFloat(words.w1), AsFloat(words.w2)};
 }
-HWY_INLINE Corners GatherCorners(const TriangleTables& triangles, VU record) {
-  const Words4 rows = GatherWords4(triangles.corners, record + record + record);
-  return {GatherPosition(triangles.positions, rows.w0),
-          GatherPosition(triangles.positions, rows.w1),
-          GatherPosition(triangles.positions, rows.w2)};
+// `corners` and `positions` are those of TriangleTables.
+HWY_INLINE Corners GatherCorners(const std::uint32_t* corners, const float* positions, VU record) {
+  const Words4 rows = GatherWords4(corners, record + record + record);
+  return {GatherPosition(positions, rows.w0), GatherPosition(positions, rows.w1),
+          GatherPosition(positions, rows.w2)};
 }
 
 }  // namespace HWY_NAMESPACE

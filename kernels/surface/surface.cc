@@ -47,7 +47,7 @@ HWY_INLINE void PrepareRows(const TriangleTables& tables, const MaterialRecord* 
     ns = IfThen(hn::AndNot(flat, usable), ns, ng);
 
     // The point comes from the corners and not from the ray, whose length it would lose digits by.
-    const auto [p0, p1, p2] = GatherCorners(tables, record);
+    const auto [p0, p1, p2] = GatherCorners(tables.corners, tables.positions, record);
     V3 hit = p0 * w + p1 * u + p2 * v, a = p1 - p0, b = p2 - p0;
     VF extent = LargestCoordinate(hit);
     if constexpr (kInstanced) {

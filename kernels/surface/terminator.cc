@@ -31,7 +31,7 @@ void RoundSurfaces(const TriangleTables& triangles, std::uint32_t n, const Surfa
     const VF u = Load(s.u + i), v = Load(s.v + i), w = 1.0f - u - v;
     V3 between = n0 * w + n1 * u + n2 * v;
 
-    const auto [p0, p1, p2] = GatherCorners(triangles, record);
+    const auto [p0, p1, p2] = GatherCorners(triangles.corners, triangles.positions, record);
     const V3 flat = p0 * w + p1 * u + p2 * v;
     V3 rise = Rise(flat, p0, n0) * w + Rise(flat, p1, n1) * u + Rise(flat, p2, n2) * v;
     if (triangles.instances != nullptr) {

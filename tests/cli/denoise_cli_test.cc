@@ -55,6 +55,18 @@ TEST_F(DenoiseProgram, RenderThenDenoiseEqualsOneCommand) {
             ValueOf(ReadExrMetadata(Path("noisy.exr")), "command"));
 }
 
+TEST_F(DenoiseProgram, KeepsTheWorkingSpace) {
+  const std::string wide = kRender + std::string("--working-space acescg ");
+  Make(wide + "--denoise -o one.exr");
+  Make(wide + "--aovs denoiser -o noisy.exr");
+  Make("denoise noisy.exr -q -o two.exr");
+  const LayeredImage one = ReadOwnColors(Path("one.exr")), two = ReadOwnColors(Path("two.exr"));
+  EXPECT_EQ(one.space, RgbSpace::kAcescg);
+  EXPECT_EQ(two.space, one.space);
+  EXPECT_EQ(two.image.rgb, one.image.rgb);
+  EXPECT_EQ(Bytes("two.png"), Bytes("one.png"));
+}
+
 // A noisy picture that was exposed automatically leads to a clean one that is, too.
 TEST_F(DenoiseProgram, ExposureIsAutomaticWhereThatOfTheNoisyPictureWas) {
   Make(kRender + std::string("--denoise --exposure auto -o one.exr"));

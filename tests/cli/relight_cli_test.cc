@@ -34,6 +34,19 @@ class RelightCli : public Program {
   std::string lamp_;
 };
 
+TEST_F(RelightCli, KeepsTheWorkingSpace) {
+  ASSERT_EQ(Run("render lamps --size 12x9 --spp 4 --aovs lights --working-space acescg "
+                "--film wide.film -q -o wide.exr")
+                .exit_code,
+            0);
+  for (const std::string from : {"wide.exr", "wide.film"}) {
+    ASSERT_EQ(Run("relight " + from + " -o same.exr -q").exit_code, 0);
+    const LayeredImage same = ReadOwnColors(Path("same.exr"));
+    EXPECT_EQ(same.space, RgbSpace::kAcescg);
+    EXPECT_EQ(Bytes("same.png"), Bytes("wide.png"));
+  }
+}
+
 TEST_F(RelightCli, GivesTheLightsOtherWeights) {
   ASSERT_EQ(Run("relight lamps.exr -o same.exr -q").exit_code, 0);
   EXPECT_EQ(Bytes("same.png"), Bytes("lamps.png"));

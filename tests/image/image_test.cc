@@ -13,6 +13,8 @@
 #include <ImfMatrixAttribute.h>
 #include <ImfPreviewImage.h>
 #include <ImfRationalAttribute.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 #include <ImfTimeCodeAttribute.h>
 #include <ImfVecAttribute.h>
@@ -99,6 +101,8 @@ TEST_F(ImageFiles, ExrEqualsThatOfTheLibrary) {
     WriteExr(Path("a.exr"), image, {}, {}, {.compression = compression});
     Imf::Header header = HeaderFor(image, Imf::Compression(compression));
     header.zipCompressionLevel() = 4;
+    Imf::addChromaticities(header, Imf::Chromaticities());  // those of Rec. 709
+    header.insert("colorInteropID", Imf::StringAttribute("lin_rec709_scene"));
     WriteExrKind(Path("b.exr"), header, image);
     if (compression == ExrCompression::kZip || compression == ExrCompression::kZips) {
       ExpectSame(ReadImage(Path("a.exr")), image);
@@ -258,11 +262,15 @@ TEST_F(ImageFiles, ExrMetadataComesBack) {
   const Metadata metadata = {
       {"a", ""}, {"b", "line\nline \xc3\xa9"}, {std::string(100, 'c'), std::string(100000, 'x')}};
   WriteExr(Path("a.exr"), Numbered(4, 4), metadata);
-  EXPECT_EQ(ReadExrMetadata(Path("a.exr")), metadata);
+  // The header also names the space of the colours.
+  Metadata read = ReadExrMetadata(Path("a.exr"));
+  std::erase_if(read, [](const auto& text) { return text.first == "colorInteropID"; });
+  EXPECT_EQ(read, metadata);
   ExpectSame(ReadImage(Path("a.exr")), Numbered(4, 4));
   // The order is that of the file, which OpenEXR sorts by name.
   WriteExr(Path("b.exr"), Numbered(4, 4), {{"z", "1"}, {"y", "2"}});
-  EXPECT_EQ(ReadExrMetadata(Path("b.exr")), (Metadata{{"y", "2"}, {"z", "1"}}));
+  EXPECT_EQ(ReadExrMetadata(Path("b.exr")),
+            (Metadata{{"colorInteropID", "lin_rec709_scene"}, {"y", "2"}, {"z", "1"}}));
 }
 
 TEST_F(ImageFiles, ExrOfEveryLosslessCompression) {
@@ -452,7 +460,8 @@ TEST_F(ImageFiles, TopLeftStaysTopLeft) {
 
 TEST_F(ImageFiles, EndingDecidesWhatIsWrittenAndContentWhatIsRead) {
   WriteImage(Path("a.exr"), Numbered(3, 3), {{"key", "value"}});
-  EXPECT_EQ(ReadExrMetadata(Path("a.exr")), (Metadata{{"key", "value"}}));
+  EXPECT_EQ(ReadExrMetadata(Path("a.exr")),
+            (Metadata{{"colorInteropID", "lin_rec709_scene"}, {"key", "value"}}));
   std::filesystem::rename(Path("a.exr"), Path("a.hdr"));
   ExpectSame(ReadImage(Path("a.hdr")), Numbered(3, 3));
   for (const char* const name : {"a.png", "a", "exr", "a.exr/b"}) {

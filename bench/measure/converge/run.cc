@@ -150,7 +150,7 @@ std::vector<OptionOf<ConvergeRequest>> ConvergeOptions() {
 
 bool HasOwnFormInConverge(const OptionInfo& option) {
   return option.name == "strategy" || option.name == "spp" || option.name == "aovs" ||
-         option.name == "denoise";
+         option.name == "denoise" || option.name == "working-space";
 }
 
 void CheckSavedReference(const ConvergeRequest& request) {
