@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/files.h"
@@ -55,6 +56,42 @@ std::optional<PictureChannels> FindPicture(const std::vector<ExrChannel>& channe
   if (layers.size() == 1) return colors(layers[0]);
   if (has("R") && !has("G") && !has("B")) return PictureChannels{{"R"}};
   return std::nullopt;
+}
+
+// Finds the picture that a layer is: its colours, or a channel for all three.
+std::optional<PictureChannels> FindLayer(const std::vector<ExrChannel>& channels,
+                                         const std::string& layer) {
+  std::vector<ExrChannel> within;
+  for (const ExrChannel& channel : channels) {
+    if (channel.name == layer) return PictureChannels{{layer}};
+    if (!channel.name.starts_with(layer + ".")) continue;
+    within.push_back(channel);
+    within.back().name = channel.name.substr(layer.size() + 1);
+  }
+  std::optional<PictureChannels> found = FindPicture(within);
+  if (!found && within.size() == 1) found = {{within[0].name}};
+  if (found) {
+    for (std::string& name : found->names) name = layer + "." + name;
+  }
+  return found;
+}
+
+// Returns the name of a part; the only one of a file may have none.
+std::string NameOf(const ExrHeader& part) {
+  for (const auto& [name, text] : part.strings) {
+    if (name == "name") return text;
+  }
+  return "";
+}
+
+// Returns what of a part is the layer, which may be the part itself.
+std::optional<PictureChannels> FindLayer(const ExrHeader& part, const std::string& layer) {
+  if (part.deep) return std::nullopt;
+  if (layer.empty()) return FindPicture(part.channels);
+  if (NameOf(part) != layer) return FindLayer(part.channels, layer);
+  std::optional<PictureChannels> whole = FindPicture(part.channels);
+  if (!whole && part.channels.size() == 1) whole = {{part.channels[0].name}};
+  return whole ? whole : FindLayer(part.channels, layer);
 }
 
 PictureChannels ChooseChannels(const std::string& path, const std::vector<ExrChannel>& channels) {
@@ -131,17 +168,47 @@ void RequireLayers(const std::string& path, const std::vector<std::string>& want
   }
 }
 
-// Returns the header of the first flat part that has a picture, or else of the first part.
-ExrHeader HeaderOfPicture(const std::string& path, std::string_view bytes,
-                          const ReadLimits& limits) {
+// Returns the names of parts and layers that may be asked for.
+std::string LayersOf(const std::vector<ExrHeader>& parts) {
+  std::set<std::string> names;
+  for (const ExrHeader& part : parts) {
+    if (part.multi_part) names.insert(NameOf(part));
+    for (const ExrChannel& channel : part.channels) {
+      const std::size_t dot = channel.name.rfind('.');
+      if (dot != std::string::npos) names.insert(channel.name.substr(0, dot));
+    }
+  }
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+// The part of a file in which a picture is, and its channels.
+struct ChosenPicture {
+  ExrHeader header;
+  PictureChannels channels;
+};
+
+// Returns the layer, or without one the picture of the first flat part that has one, or else of the
+// first part.
+ChosenPicture ChoosePicture(const std::string& path, std::string_view bytes,
+                            const ReadLimits& limits, const std::string& layer) {
   std::vector<ExrHeader> parts = ParseExrHeaders(path, bytes, limits);
-  auto chosen = std::find_if(parts.begin(), parts.end(), [](const ExrHeader& part) {
-    return !part.deep && FindPicture(part.channels);
+  auto chosen = std::find_if(parts.begin(), parts.end(), [&](const ExrHeader& part) {
+    return FindLayer(part, layer).has_value();
   });
+  if (chosen == parts.end() && !layer.empty()) {
+    const std::string list = LayersOf(parts);
+    throw InputError(
+        InputPosition::File(path),
+        "has no layer " + layer + (list.empty() ? "; it has none at all" : "; there are " + list));
+  }
   if (chosen == parts.end()) chosen = parts.begin();
   CheckSize(InputPosition::File(path), chosen->data_window.width(), chosen->data_window.height(),
             limits);
-  return std::move(*chosen);
+  PictureChannels channels =
+      layer.empty() ? ChooseChannels(path, chosen->channels) : *FindLayer(*chosen, layer);
+  return {std::move(*chosen), std::move(channels)};
 }
 
 // Throws if the file is too small for its pixels: such files must not take much memory.
@@ -165,15 +232,15 @@ bool AreSubSampled(const std::vector<ExrChannel>& channels, const std::vector<st
 }  // namespace
 
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
-                                       const ReadLimits& limits) {
-  const ExrHeader header = HeaderOfPicture(path, bytes, limits);
-  return LayersBeside(ChooseChannels(path, header.channels).names, header);
+                                       const ReadLimits& limits, const std::string& layer) {
+  const ChosenPicture chosen = ChoosePicture(path, bytes, limits, layer);
+  return LayersBeside(chosen.channels.names, chosen.header);
 }
 
 LayeredImage DecodeExrColors(const std::string& path, std::string_view bytes,
-                             const ReadLimits& limits, const std::vector<std::string>& layers) {
-  const ExrHeader header = HeaderOfPicture(path, bytes, limits);
-  const PictureChannels chosen = ChooseChannels(path, header.channels);
+                             const ReadLimits& limits, const std::vector<std::string>& layers,
+                             const std::string& layer) {
+  const auto [header, chosen] = ChoosePicture(path, bytes, limits, layer);
   const std::vector<std::string>& names = chosen.names;
   RequireLayers(path, layers, LayersBeside(names, header));
   const bool few_samples = std::any_of(header.channels.begin(), header.channels.end(),
@@ -213,15 +280,16 @@ LayeredImage DecodeExrColors(const std::string& path, std::string_view bytes,
 }
 
 LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
-                           const ReadLimits& limits, const std::vector<std::string>& layers) {
-  LayeredImage picture = DecodeExrColors(path, bytes, limits, layers);
+                           const ReadLimits& limits, const std::vector<std::string>& layers,
+                           const std::string& layer) {
+  LayeredImage picture = DecodeExrColors(path, bytes, limits, layers, layer);
   ConvertToRec709(PrimariesOf(std::exchange(picture.space, RgbSpace::kRec709)), picture.image);
   return picture;
 }
 
 LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
-                       const std::vector<std::string>& layers) {
-  LayeredImage picture = DecodeExrPart(path, bytes, limits, layers);
+                       const std::vector<std::string>& layers, const std::string& layer) {
+  LayeredImage picture = DecodeExrPart(path, bytes, limits, layers, layer);
   PlaceInWindow(path, limits, picture);
   return picture;
 }

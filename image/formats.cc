@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <system_error>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -69,8 +71,17 @@ std::string WhatItIsInstead(std::string_view bytes) {
   return what;
 }
 
-Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
-  if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits).image;
+// Throws where only an EXR would have what is asked for.
+void RequireNoLayer(const std::string& path, const std::string& layer) {
+  if (layer.empty()) return;
+  throw InputError(InputPosition::File(path),
+                   "has no layer " + layer + ": only OpenEXR files have layers");
+}
+
+Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits,
+                  const std::string& layer = "") {
+  if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits, {}, layer).image;
+  RequireNoLayer(path, layer);
   if (StartsWith(bytes, "#?")) return DecodeRgbe(path, bytes, limits);
   if (StartsWith(bytes, "PF") || StartsWith(bytes, "Pf")) return DecodePfm(path, bytes, limits);
   throw InputError(InputPosition::Byte(path, 0), WhatItIsInstead(bytes));
@@ -109,27 +120,37 @@ void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t h
   }
 }
 
-Image ReadImage(const std::string& path, const ReadLimits& limits) {
-  return DecodeImage(path, ReadFile(path), limits);
+PictureFile SplitPictureName(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == name.size()) return {name, ""};
+  const std::string path = name.substr(0, colon);
+  std::error_code ignored;
+  const bool layer =
+      std::filesystem::is_regular_file(path, ignored) && !std::filesystem::exists(name, ignored);
+  return layer ? PictureFile{path, name.substr(colon + 1)} : PictureFile{name, ""};
 }
 
-std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits) {
+Image ReadImage(const std::string& name, const ReadLimits& limits) {
+  const auto [path, layer] = SplitPictureName(name);
+  return DecodeImage(path, ReadFile(path), limits, layer);
+}
+
+std::vector<std::string> ReadLayerNames(const std::string& name, const ReadLimits& limits) {
+  const auto [path, layer] = SplitPictureName(name);
   const std::string bytes = ReadFile(path);
   if (!StartsWith(bytes, kExrMagic)) return {};
-  return ExrLayerNames(path, bytes, limits);
+  return ExrLayerNames(path, bytes, limits, layer);
 }
 
 namespace {
 
 // Reads what `decode` makes of an EXR, or a picture without layers.
-LayeredImage ReadBy(decltype(DecodeExr)* decode, const std::string& path,
+LayeredImage ReadBy(decltype(DecodeExr)* decode, const std::string& name,
                     const std::vector<std::string>& layers, const ReadLimits& limits) {
+  const auto [path, layer] = SplitPictureName(name);
   const std::string bytes = ReadFile(path);
-  if (StartsWith(bytes, kExrMagic)) return decode(path, bytes, limits, layers);
-  if (!layers.empty()) {
-    throw InputError(InputPosition::File(path),
-                     "has no layer " + layers.front() + ": only OpenEXR files have layers");
-  }
+  if (StartsWith(bytes, kExrMagic)) return decode(path, bytes, limits, layers, layer);
+  RequireNoLayer(path, layers.empty() ? layer : layers.front());
   return {DecodeImage(path, bytes, limits)};
 }
 
@@ -180,12 +201,17 @@ bool IsGltfImage(std::string_view bytes) {
   return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic) || IsWebp(bytes);
 }
 
-bool IsOfScreen(const std::string& path) {
+bool IsOfScreen(const std::string& name) {
+  const auto [path, layer] = SplitPictureName(name);
   return FindDecoder8Bit(path, ReadFile(path)) != nullptr;
 }
 
-Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
-  return DecodeTexture(path, ReadFile(path), encoding, limits);
+Image ReadTexture(const std::string& name, Encoding encoding, const ReadLimits& limits) {
+  const auto [path, layer] = SplitPictureName(name);
+  const std::string bytes = ReadFile(path);
+  if (layer.empty()) return DecodeTexture(path, bytes, encoding, limits);
+  if (!StartsWith(bytes, kExrMagic)) RequireNoLayer(path, layer);
+  return DecodeImage(path, bytes, limits, layer);
 }
 
 Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding) {

@@ -16,18 +16,21 @@
 
 namespace skywave {
 
-// `layers` are the channels to read next to the picture.
+// `layers` are the channels to read next to the picture, which is the layer or the part `layer`, or
+// what the file shows if that is empty.
 LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
-                       const std::vector<std::string>& layers = {});
+                       const std::vector<std::string>& layers = {}, const std::string& layer = "");
 // The same of the data window alone.
 LayeredImage DecodeExrPart(const std::string& path, std::string_view bytes,
-                           const ReadLimits& limits, const std::vector<std::string>& layers = {});
+                           const ReadLimits& limits, const std::vector<std::string>& layers = {},
+                           const std::string& layer = "");
 // The same, where colours in an RgbSpace stay in it.
 LayeredImage DecodeExrColors(const std::string& path, std::string_view bytes,
-                             const ReadLimits& limits, const std::vector<std::string>& layers = {});
+                             const ReadLimits& limits, const std::vector<std::string>& layers = {},
+                             const std::string& layer = "");
 // Returns the channels next to the picture, without decoding anything.
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
-                                       const ReadLimits& limits);
+                                       const ReadLimits& limits, const std::string& layer = "");
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 // 8-bit formats give linear light, or unconverted numbers in [0, 1].

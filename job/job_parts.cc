@@ -65,11 +65,12 @@ std::string WordsOf(const JobRequest& request, std::uint32_t tables) {
 }
 
 // Returns a text that changes when a file is written anew; so does what was made of it.
-std::string Stamp(const std::string& path) {
+std::string Stamp(const std::string& name) {
+  const std::string path = SplitPictureName(name).path;
   std::error_code error;
   const auto time = std::filesystem::last_write_time(path, error);
-  if (error) return Quoted(path);
-  return fmt::format("{} of {} bytes at {}", Quoted(path), std::filesystem::file_size(path, error),
+  if (error) return Quoted(name);
+  return fmt::format("{} of {} bytes at {}", Quoted(name), std::filesystem::file_size(path, error),
                      time.time_since_epoch().count());
 }
 

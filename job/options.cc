@@ -234,7 +234,7 @@ std::vector<JobOption> CommonRows() {
   return {
     Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true, .of_file = true},
           FIELD(scene), Texts("SCENE")),
-    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM); #### in its name stands for the number of --frame", .scope = kInput, .example = "--env map.exr", .of_file = true},
+    Plain({.name = "env", .help = "illumination map (EXR, or a layer of it as FILE:LAYER, Radiance HDR, PFM); #### in its name stands for the number of --frame", .scope = kInput, .example = "--env map.exr", .of_file = true},
           FIELD(environment.path), Texts("MAP")),
     Resolved(SizeOption({.name = "size", .help = "size of the film [pixels]", .scope = kPixels, .example = "--size 9x7"}), ResolveSize),
     FromScene({.name = "spp", .help = "samples per pixel", .scope = kPixels, .example = "--spp 3"},

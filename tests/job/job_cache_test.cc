@@ -388,6 +388,21 @@ TEST_F(SharedParts, AreMadeAnewWhenTheFileOfAMapHasChanged) {
   EXPECT_NE(RenderJob(scene, request).map_hash(), before);
 }
 
+TEST_F(SharedParts, AreMadeAnewWhenTheLayerOfAMapHasChanged) {
+  JobCache cache(std::uint64_t{1} << 40);
+  const auto hash_of = [&](float value) {
+    const std::vector<float> values(16 * 8, value);
+    WriteExr(folder_.Path("sky.exr"), Image(16, 8), {},
+             {{"sun.R", values}, {"sun.G", values}, {"sun.B", values}});
+    JobRequest request;
+    request.scene = folder_.Path("one.pbrt");
+    request.width = 8, request.height = 6;
+    request.environment.path = folder_.Path("sky.exr:sun");
+    return RenderJob(request, &cache).map_hash();
+  };
+  EXPECT_NE(hash_of(1), hash_of(2.5f));
+}
+
 TEST_F(SharedParts, AreMadeAnewWhenTheLightsOfAFileHaveChanged) {
   JobCache cache(std::uint64_t{1} << 40);
   const auto strategy = [&] {
