@@ -23,7 +23,7 @@ void ForEachMesh(Scene& scene, const F& f) {
 [[noreturn]] void Refuse(const std::string& option, const std::string& name, Scene& scene) {
   std::set<std::string_view> known;
   for (const Material& material : scene.materials) known.insert(material.name);
-  ForEachMesh(scene, [&](const Mesh& mesh) { known.insert(mesh.name); });
+  ForEachMesh(scene, [&](const Mesh& mesh) { known.insert(mesh.name), known.insert(mesh.node); });
   known.erase("");
   throw OptionError(option, name,
                     fmt::format("no material and no mesh has this name; there are {}",
@@ -53,7 +53,7 @@ void Mark(const std::string& option, const std::vector<std::string>& names,
       found = true;
     }
     ForEachMesh(scene, [&](Mesh& mesh) {
-      if (mesh.name != name) return;
+      if (mesh.name != name && mesh.node != name) return;
       found = true;
       if (mark.is_set(scene.materials[mesh.material])) return;
       const auto [copy, is_new] =

@@ -99,6 +99,8 @@ class Geometry {
   std::uint32_t MeshOf(std::uint32_t record) const {
     return tables_.PlaceOf(TriangleOf(record)).mesh;
   }
+  // The number of meshes, those of objects included.
+  std::size_t mesh_count() const { return tables_.meshes.size(); }
   // Returns the position of corner 0, 1 or 2 of a triangle, in the order that decides its geometric
   // normal and in the space of its mesh.
   glm::vec3 Corner(std::size_t triangle, int corner) const;

@@ -110,11 +110,13 @@ class Copier {
       : most_(options.max_triangles), path_(path), triangles_(triangles) {
     Check();
   }
-  void Append(const glm::dmat4& to, const std::vector<Mesh>& from, std::vector<Mesh>& meshes) {
+  void Append(const glm::dmat4& to, const std::string& node, const std::vector<Mesh>& from,
+              std::vector<Mesh>& meshes) {
     triangles_ += Triangles(from);
     Check();
     for (Mesh mesh : from) {
       TransformMesh(to, mesh);
+      mesh.node = node;
       meshes.push_back(std::move(mesh));
     }
   }
@@ -172,10 +174,11 @@ void ResolveInstances(const ReadOptions& options, const std::string& path, Scene
   for (const Instance& instance : scene.instances) {
     const Use& use = uses[instance.object];
     const glm::dmat4 to(instance.world_from_object);
+    const std::string node = instance.node == kNoNode ? "" : scene.nodes[instance.node];
     take_until(std::min<std::size_t>(instance.meshes_before, own.size()));
     const bool copied = !use.shared || HasToBeCopied(glm::dmat3(to), use.has_normal_map);
-    if (copied) copier.Append(to, scene.objects[instance.object].meshes, meshes);
-    copier.Append(to, use.shining, meshes);
+    if (copied) copier.Append(to, node, scene.objects[instance.object].meshes, meshes);
+    copier.Append(to, node, use.shining, meshes);
     if (copied) continue;
     shared.push_back(instance);
     shared.back().meshes_before = std::uint32_t(meshes.size());

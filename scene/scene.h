@@ -39,6 +39,7 @@ struct Texture {
 // right-handed.
 struct Mesh {
   std::string name;
+  std::string node;  // what stands it in the world, by which it goes too; may be empty
   std::vector<glm::vec3> positions;  // world space
   std::vector<glm::vec3> normals;    // empty (flat shading) or one per position, unit length
   std::vector<glm::vec2> uvs;        // empty or one per position
@@ -61,11 +62,13 @@ struct Object {
 };
 
 // An object in the world.
+inline constexpr std::uint32_t kNoNode = 0xFFFFFFFFu;
 struct Instance {
   std::uint32_t object = 0;  // index into Scene::objects
   glm::dmat4x3 world_from_object{1.0};
   // The number of Scene::meshes that come before it in the file: its copies would stand there.
   std::uint32_t meshes_before = 0;
+  std::uint32_t node = kNoNode;  // index into Scene::nodes
 };
 
 // The film shows this rectangle of the plane z = 1 (perspective, in units of tan(fov / 2)) or z = 0
@@ -167,6 +170,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Object> objects;
   std::vector<Instance> instances;
+  std::vector<std::string> nodes;  // names of what stands instances in the world
   std::vector<Material> materials;
   std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;

@@ -215,12 +215,16 @@ class MeshAdder {
     const Shape shape = ShapeOf(index);
     if (node.skin >= 0) {
       const GltfSkin skin = MakeGltfSkin(model_, node.skin, worlds_, path_);
-      for (Mesh& mesh : Read(shape, &skin)) scene_.meshes.push_back(std::move(mesh));
+      for (Mesh& mesh : Read(shape, &skin)) {
+        mesh.node = node.name;
+        scene_.meshes.push_back(std::move(mesh));
+      }
       return;
     }
     if (places_[shape] < 2) {
       for (Mesh& mesh : Read(shape)) {
         TransformMesh(world, mesh);
+        mesh.node = node.name;
         scene_.meshes.push_back(std::move(mesh));
       }
       return;
@@ -230,10 +234,16 @@ class MeshAdder {
       scene_.objects.push_back({.name = model_.meshes[std::size_t(node.mesh)].name, .meshes = {}});
       scene_.objects.back().meshes = Read(shape);
     }
+    std::uint32_t number = kNoNode;
+    if (!node.name.empty()) {
+      number = std::uint32_t(scene_.nodes.size());
+      scene_.nodes.push_back(node.name);
+    }
     for (const glm::dmat4& local : GltfInstances(model_, node, path_)) {
       scene_.instances.push_back({.object = object->second,
                                   .world_from_object = glm::dmat4x3(world * local),
-                                  .meshes_before = std::uint32_t(scene_.meshes.size())});
+                                  .meshes_before = std::uint32_t(scene_.meshes.size()),
+                                  .node = number});
     }
     if (scene_.instances.size() > kMaxInstances) {
       FailGltf(path_, fmt::format("has more than {} instances", kMaxInstances));

@@ -60,6 +60,30 @@ TEST_F(Gltf, NodesThatShareAMeshAreInstances) {
   }
 }
 
+// Shared or copied, a mesh goes by the name of the node that stands it there, too.
+TEST_F(Gltf, MeshesAndInstancesHaveTheNamesOfTheirNodes) {
+  json document = DocumentOfInstances();
+  document["nodes"][0]["name"] = "left";
+  document["nodes"][2]["name"] = "crowd";
+  const std::string path = folder_.Write("a.gltf", document.dump());
+  ReadOptions options;
+  options.instances = InstanceUse::kShare;
+  const Scene shared = ReadGltf(path, options);
+  std::vector<std::string> names;
+  for (const Instance& instance : shared.instances) {
+    names.push_back(instance.node == kNoNode ? "" : shared.nodes[instance.node]);
+  }
+  const std::vector<std::string> expected = {"left", "", "crowd", "crowd"};
+  EXPECT_EQ(names, expected);
+  names.clear();
+  for (const Mesh& mesh : ReadGltf(path).meshes) names.push_back(mesh.node);
+  EXPECT_EQ(names, expected);
+  document["scenes"] = {{{"nodes", {0}}}};
+  document["nodes"] = {{{"mesh", 0}, {"name", "alone"}}};
+  const Scene alone = ReadGltf(folder_.Write("b.gltf", document.dump()));
+  EXPECT_EQ(alone.meshes[0].node, "alone");
+}
+
 TEST_F(Gltf, InstancesOfAnExtensionAreChecked) {
   const auto change = [&](const char* attribute, const json& value) {
     json document = DocumentOfInstances();

@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,38 @@ JobRequest MatteRequest(std::uint32_t samples) {
 }
 
 // A picture of one sample says by its layer object-id what that sample sees.
+// Two instances of a square, one of which has a name, beside a square that a node stands there.
+TEST(Mattes, NodesAreObjects) {
+  Scene scene;
+  const std::uint32_t chalk = AddLambert(scene, "chalk", glm::vec3(0.5f));
+  scene.objects.push_back({.name = "square", .meshes = {Quad(0.5f)}});
+  scene.objects[0].meshes[0].name = "square", scene.objects[0].meshes[0].material = chalk;
+  scene.nodes = {"left"};
+  const auto at = [](double x) {
+    glm::dmat4x3 to(1.0);
+    to[3] = {x, 0, 0};
+    return to;
+  };
+  scene.instances = {{.object = 0, .world_from_object = at(-2), .node = 0},
+                     {.object = 0, .world_from_object = at(0)}};
+  Place(scene, Quad(0.5f), chalk, {2, 0, 0});
+  scene.meshes[0].name = "mesh", scene.meshes[0].node = "right";
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({0, 5, 0.001f}, {0, 0, 0}, {0, 0, -1}, 60, false);
+  const RenderJob job = MakeJob(scene, SmallRequest(48, 24, 4), "crypto-object");
+  const std::vector<float> ids = Resolve(job).at("crypto_object00.R");
+  std::set<std::uint32_t> seen;
+  for (const float id : ids) seen.insert(std::bit_cast<std::uint32_t>(id));
+  EXPECT_EQ(seen,
+            (std::set<std::uint32_t>{0, MatteId("left"), MatteId("square"), MatteId("right")}));
+  const auto pixel = [&](int x) {
+    return std::bit_cast<std::uint32_t>(ids[12 * 48 + std::size_t(x)]);
+  };
+  EXPECT_EQ(pixel(16), MatteId("left"));
+  EXPECT_EQ(pixel(24), MatteId("square"));
+  EXPECT_EQ(pixel(32), MatteId("right"));
+}
+
 TEST(Mattes, SharesAreThoseOfTheSamplesThroughALens) {
   constexpr std::uint32_t kSamples = 16;
   Scene scene = BuiltinScene("spheres");

@@ -141,6 +141,8 @@ class AovFilm {
   // the nearest.
   bool BecomesNearest(std::uint32_t pixel, std::uint64_t key);
   void AddWeights(const FirstHits& hits);
+  // Returns the number in MatteNames of what surface i is of.
+  std::uint32_t ObjectOf(const FirstSurfaces& first, std::uint32_t i) const;
   // Returns the share of the light of catchers that objects leave to all of its channels.
   double Kept(std::size_t pixel) const;
   double LightOf(LightPart part, std::size_t i) const {

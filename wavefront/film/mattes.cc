@@ -54,23 +54,32 @@ std::uint32_t MatteId(std::string_view name) {
 
 MatteNames MakeMatteNames(std::vector<std::string> names) {
   MatteNames made = {.names = std::move(names), .ids = {}};
-  for (const std::string& name : made.names) made.ids.push_back(MatteId(name));
+  for (const std::string& name : made.names) made.ids.push_back(name.empty() ? 0 : MatteId(name));
   return made;
 }
 
 Mattes MakeMattes(const Scene& scene) {
   std::vector<std::string> meshes, materials;
-  for (const Mesh& mesh : scene.meshes) meshes.push_back(mesh.name);
+  for (const Mesh& mesh : scene.meshes) {
+    meshes.push_back(mesh.node.empty() ? mesh.name : mesh.node);
+  }
   for (const Object& object : scene.objects) {
     for (const Mesh& mesh : object.meshes) meshes.push_back(mesh.name);
   }
   for (const Material& material : scene.materials) materials.push_back(material.name);
-  return {MakeMatteNames(WithDefaults(std::move(meshes), "mesh")),
+  meshes = WithDefaults(std::move(meshes), "mesh");
+  if (!scene.nodes.empty()) {
+    for (const Instance& instance : scene.instances) {
+      meshes.push_back(instance.node == kNoNode ? "" : scene.nodes[instance.node]);
+    }
+  }
+  return {MakeMatteNames(std::move(meshes)),
           MakeMatteNames(WithDefaults(std::move(materials), "material"))};
 }
 
 std::size_t SlotsOf(const MatteNames& names) {
-  const std::set<std::uint32_t> ids(names.ids.begin(), names.ids.end());
+  std::set<std::uint32_t> ids(names.ids.begin(), names.ids.end());
+  ids.erase(0);
   return std::clamp<std::size_t>(ids.size(), 1, kMatteSlots);
 }
 
@@ -110,6 +119,7 @@ std::array<MatteShare, kMatteRanks> RanksOf(const MatteSums& sums, std::size_t p
 Metadata MatteAttributes(std::string_view layer, const MatteNames& names) {
   nlohmann::json manifest = nlohmann::json::object();
   for (std::size_t i = 0; i < names.names.size(); ++i) {
+    if (names.ids[i] == 0) continue;
     manifest[names.names[i]] = fmt::format("{:08x}", names.ids[i]);
   }
   const std::string key =

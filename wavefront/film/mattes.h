@@ -28,7 +28,8 @@ inline constexpr std::size_t kMatteSlots = 16, kMatteLayers = 3, kMatteRanks = 2
 enum class MatteOf : std::uint8_t { kObjects, kMaterials };
 inline constexpr std::size_t kMattes = 2;
 
-// The names of meshes or of materials, by their numbers, and their ids.
+// The names of meshes, followed by those of instances where some have any, or of materials, by
+// their numbers, and their ids. Instances without a name have the id 0.
 struct MatteNames {
   std::vector<std::string> names;
   std::vector<std::uint32_t> ids;
@@ -41,8 +42,8 @@ using Mattes = std::array<MatteNames, kMattes>;  // by MatteOf
 std::uint32_t MatteId(std::string_view name);
 
 MatteNames MakeMatteNames(std::vector<std::string> names);
-// Returns the names of a scene. Meshes and materials without one are "mesh N" and "material N", N
-// from 1 on.
+// Returns the names of a scene. What a node stands in the world has the name of that. Meshes and
+// materials without one are "mesh N" and "material N", N from 1 on.
 Mattes MakeMattes(const Scene& scene);
 
 // Returns how many ids the pixels of a film of these names keep.
