@@ -114,8 +114,9 @@ void SpreadSinglePixel(Image& map) {
 EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
                                  std::vector<std::string>& notes) {
   std::vector<EnvironmentLight> lights = ChooseLights(scene, request);
-  for (EnvironmentLight& light : lights)
+  for (EnvironmentLight& light : lights) {
     LoadMap(light, request.environment, request.working_space, notes);
+  }
   if (lights.size() == 1) {
     SpreadSinglePixel(*lights.front().map);
     return std::move(lights.front());

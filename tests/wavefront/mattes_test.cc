@@ -142,6 +142,10 @@ TEST(Mattes, NodesAreObjects) {
   EXPECT_EQ(pixel(16), MatteId("left"));
   EXPECT_EQ(pixel(24), MatteId("square"));
   EXPECT_EQ(pixel(32), MatteId("right"));
+  // Alpha has the same surfaces, and asks for no names.
+  JobRequest request = SmallRequest(48, 24, 4);
+  request.background = Background::kTransparent;
+  EXPECT_EQ(Resolve(RenderJob(scene, request)).at("alpha.A")[12 * 48 + 24], 1);
 }
 
 TEST(Mattes, SharesAreThoseOfTheSamplesThroughALens) {

@@ -123,11 +123,8 @@ std::uint32_t AovFilm::ObjectOf(const FirstSurfaces& first, std::uint32_t i) con
   const std::uint32_t mesh = first.geometry.MeshOf(first.surfaces.triangle[i]);
   if (first.geometry.instance_count() == 0 || first.surfaces.instance[i] == 0) return mesh;
   const std::vector<std::uint32_t>& ids = (*matte_names_)[std::size_t(MatteOf::kObjects)].ids;
-  const std::size_t instances = first.geometry.instance_count();
-  const std::size_t number = ids.size() - instances + first.surfaces.instance[i] - 1;
-  return first.geometry.mesh_count() + instances == ids.size() && ids[number] != 0
-             ? std::uint32_t(number)
-             : mesh;
+  const std::size_t number = first.geometry.mesh_count() + first.surfaces.instance[i] - 1;
+  return number < ids.size() && ids[number] != 0 ? std::uint32_t(number) : mesh;
 }
 
 void AovFilm::AddWeights(const FirstHits& hits) {
@@ -144,11 +141,12 @@ void AovFilm::AddWeights(const FirstHits& hits) {
   for (std::uint32_t i = 0; i < hits.first.count; ++i) {
     const bool caught = hits.first.geometry.IsCatcher(surfaces.triangle[i]);
     const std::uint64_t weight = add(surfaces.path[i], caught ? kCatchers : kObjects);
-    const std::uint32_t numbers[] = {ObjectOf(hits.first, i),
-                                     surfaces.material[i] & kMaterialMask};  // by MatteOf
     for (std::size_t of = 0; of < kMattes; ++of) {
       if (mattes_[of].ids.empty()) continue;
-      AddToMatte(hits.paths.pixel[surfaces.path[i]], (*matte_names_)[of].ids[numbers[of]], weight,
+      const std::uint32_t number = MatteOf(of) == MatteOf::kObjects
+                                       ? ObjectOf(hits.first, i)
+                                       : surfaces.material[i] & kMaterialMask;
+      AddToMatte(hits.paths.pixel[surfaces.path[i]], (*matte_names_)[of].ids[number], weight,
                  mattes_[of]);
     }
   }
