@@ -376,9 +376,19 @@ void CheckAllWritable(std::span<const std::string> paths) {
   RemoveLeftovers(created);
 }
 
+FileAndLayer SplitFileName(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == name.size()) return {name, ""};
+  const std::string path = name.substr(0, colon);
+  std::error_code ignored;
+  const bool layer =
+      std::filesystem::is_regular_file(path, ignored) && !std::filesystem::exists(name, ignored);
+  return layer ? FileAndLayer{path, name.substr(colon + 1)} : FileAndLayer{name, ""};
+}
+
 void CheckNotInput(const std::string& output, const std::string& input) {
   std::error_code ignored;
-  if (!std::filesystem::equivalent(output, input, ignored)) return;
+  if (!std::filesystem::equivalent(output, SplitFileName(input).path, ignored)) return;
   throw InputError(InputPosition::File(output), "is an input of this command; write elsewhere",
                    kExitUsage);
 }

@@ -68,7 +68,15 @@ void CheckWritable(const std::string& path);
 // The same for each of `paths` that is not empty; reads each of their folders once.
 void CheckAllWritable(std::span<const std::string> paths);
 
-// Throws InputError (kExitUsage) if both names denote the same existing file.
+// A file, and the layer of it that is meant; empty: what the file shows.
+struct FileAndLayer {
+  std::string path, layer;
+};
+// Takes a name "FILE:LAYER" apart, where there is such a file and none of the whole name.
+FileAndLayer SplitFileName(const std::string& name);
+
+// Throws InputError (kExitUsage) if both names denote the same existing file, or `input` a layer of
+// it.
 void CheckNotInput(const std::string& output, const std::string& input);
 // Checks what a command is going to write, before it works: none of `outputs` may be one of the
 // files `inputs` that it reads, and each has to be writable. Empty names are left out.

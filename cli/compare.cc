@@ -50,6 +50,8 @@ ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) 
   if (IsOfScreen(path)) {
     return {.picture = {ReadTexture(path, Encoding::kSrgb, limits)}, .of_screen = true};
   }
+  // What the file says of noise is about its picture.
+  if (!SplitFileName(path).layer.empty()) return {.picture = ReadDataWindow(path, {}, limits)};
   const std::vector<std::string> there = ReadLayerNames(path, limits);
   const auto has = [&](const std::vector<std::string>& wanted) {
     return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) {

@@ -120,23 +120,13 @@ void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t h
   }
 }
 
-PictureFile SplitPictureName(const std::string& name) {
-  const std::size_t colon = name.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == name.size()) return {name, ""};
-  const std::string path = name.substr(0, colon);
-  std::error_code ignored;
-  const bool layer =
-      std::filesystem::is_regular_file(path, ignored) && !std::filesystem::exists(name, ignored);
-  return layer ? PictureFile{path, name.substr(colon + 1)} : PictureFile{name, ""};
-}
-
 Image ReadImage(const std::string& name, const ReadLimits& limits) {
-  const auto [path, layer] = SplitPictureName(name);
+  const auto [path, layer] = SplitFileName(name);
   return DecodeImage(path, ReadFile(path), limits, layer);
 }
 
 std::vector<std::string> ReadLayerNames(const std::string& name, const ReadLimits& limits) {
-  const auto [path, layer] = SplitPictureName(name);
+  const auto [path, layer] = SplitFileName(name);
   const std::string bytes = ReadFile(path);
   if (!StartsWith(bytes, kExrMagic)) return {};
   return ExrLayerNames(path, bytes, limits, layer);
@@ -147,7 +137,7 @@ namespace {
 // Reads what `decode` makes of an EXR, or a picture without layers.
 LayeredImage ReadBy(decltype(DecodeExr)* decode, const std::string& name,
                     const std::vector<std::string>& layers, const ReadLimits& limits) {
-  const auto [path, layer] = SplitPictureName(name);
+  const auto [path, layer] = SplitFileName(name);
   const std::string bytes = ReadFile(path);
   if (StartsWith(bytes, kExrMagic)) return decode(path, bytes, limits, layers, layer);
   RequireNoLayer(path, layers.empty() ? layer : layers.front());
@@ -202,12 +192,12 @@ bool IsGltfImage(std::string_view bytes) {
 }
 
 bool IsOfScreen(const std::string& name) {
-  const auto [path, layer] = SplitPictureName(name);
+  const auto [path, layer] = SplitFileName(name);
   return FindDecoder8Bit(path, ReadFile(path)) != nullptr;
 }
 
 Image ReadTexture(const std::string& name, Encoding encoding, const ReadLimits& limits) {
-  const auto [path, layer] = SplitPictureName(name);
+  const auto [path, layer] = SplitFileName(name);
   const std::string bytes = ReadFile(path);
   if (layer.empty()) return DecodeTexture(path, bytes, encoding, limits);
   if (!StartsWith(bytes, kExrMagic)) RequireNoLayer(path, layer);

@@ -40,13 +40,8 @@ struct ReadLimits {
   bool trust_input = false;
 };
 
-// A file, and the layer of it that is meant; empty: what the file shows.
-struct PictureFile {
-  std::string path, layer;
-};
-// Takes a name "FILE:LAYER" apart, where there is such a file and none of the whole name. All
-// functions that read pictures take such names for OpenEXR; a layer is also a part of that name.
-PictureFile SplitPictureName(const std::string& name);
+// All functions that read pictures take names "FILE:LAYER" (SplitFileName) for OpenEXR; a layer is
+// also a part of that name.
 
 // Reads OpenEXR, Radiance RGBE or PFM, recognised by their first bytes, never by name. Grey images
 // become three equal channels; alpha and other layers are left out. Colours of other primaries,

@@ -2,7 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace skywave {
 namespace {
@@ -23,6 +25,26 @@ bool AreEqual(const RgbPrimaries& a, const RgbPrimaries& b) {
 
 // Colours that are X, Y and Z themselves.
 constexpr RgbPrimaries kXyz = {{1, 0}, {0, 1}, {0, 0}, {1.0 / 3, 1.0 / 3}};
+
+struct SpaceDefinition {
+  RgbSpace space;
+  RgbPrimaries primaries;
+  std::string_view interop_id;
+};
+constexpr SpaceDefinition kDefinitions[] = {
+    {RgbSpace::kRec709, kRec709, "lin_rec709_scene"},
+    {RgbSpace::kRec2020,
+     {{0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65},
+     "lin_rec2020_scene"},
+    {RgbSpace::kAcescg,
+     {{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}},
+     "lin_ap1_scene"}};
+
+const SpaceDefinition& DefinitionOf(RgbSpace space) {
+  return *std::find_if(
+      std::begin(kDefinitions), std::end(kDefinitions),
+      [&](const SpaceDefinition& definition) { return definition.space == space; });
+}
 
 }  // namespace
 
@@ -50,40 +72,16 @@ glm::dmat3 AdaptToD65(const glm::dvec2& white) {
   return glm::inverse(cones) * scale * cones;
 }
 
-const RgbPrimaries& PrimariesOf(RgbSpace space) {
-  static constexpr RgbPrimaries kRec2020 = {
-      {0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65};
-  static constexpr RgbPrimaries kAp1 = {
-      {0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}};
-  switch (space) {
-    case RgbSpace::kRec709:
-      return kRec709;
-    case RgbSpace::kRec2020:
-      return kRec2020;
-    case RgbSpace::kAcescg:
-      return kAp1;
-  }
-  return kRec709;
-}
+const RgbPrimaries& PrimariesOf(RgbSpace space) { return DefinitionOf(space).primaries; }
 
 std::optional<RgbSpace> SpaceOf(const RgbPrimaries& primaries) {
-  for (const Named<RgbSpace>& named : kEnumNames<RgbSpace>) {
-    if (AreEqual(primaries, PrimariesOf(named.value))) return named.value;
+  for (const SpaceDefinition& definition : kDefinitions) {
+    if (AreEqual(primaries, definition.primaries)) return definition.space;
   }
   return std::nullopt;
 }
 
-std::string_view InteropId(RgbSpace space) {
-  switch (space) {
-    case RgbSpace::kRec709:
-      return "lin_rec709_scene";
-    case RgbSpace::kRec2020:
-      return "lin_rec2020_scene";
-    case RgbSpace::kAcescg:
-      return "lin_ap1_scene";
-  }
-  return "";
-}
+std::string_view InteropId(RgbSpace space) { return DefinitionOf(space).interop_id; }
 
 glm::dmat3 FromRec709(RgbSpace space) {
   if (space == RgbSpace::kRec709) return glm::dmat3(1);

@@ -66,7 +66,7 @@ std::string WordsOf(const JobRequest& request, std::uint32_t tables) {
 
 // Returns a text that changes when a file is written anew; so does what was made of it.
 std::string Stamp(const std::string& name) {
-  const std::string path = SplitPictureName(name).path;
+  const std::string path = SplitFileName(name).path;
   std::error_code error;
   const auto time = std::filesystem::last_write_time(path, error);
   if (error) return Quoted(name);

@@ -1,42 +1,50 @@
 #include "job/sample_counts.h"
 
-#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "lights/maps/sphere_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
+namespace {
 
-Image CountSamples(const RenderJob& job) {
-  const FrameView frame = job.frame();
-  const EnvironmentMap& map = *frame.map;
+// Adds the shadow rays of `rays` that go to the map, not to a lamp, to the texels they meet.
+void CountRays(const RayRecorder& rays, const EnvironmentMap& map, std::vector<double>& counts) {
   const Image& latlong = map.latlong;
-  std::vector<RayRecorder> recorders;
-  Film film = job.MakeFilm();
-  RenderFrame(frame, film, {.recorders = &recorders});
-
-  Image counts(latlong.width, latlong.height);
-  const auto& m = map.map_from_world;
-  for (const RayRecorder& rays : recorders) {
-    for (const RayBatch& batch : rays.batches()) {
-      if (batch.kind != RayKind::kShadow) continue;
-      for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
-        if (!std::isinf(rays.t_far()[i])) continue;  // of a lamp
-        const auto row = [&](std::size_t k) {
-          return double(m[3 * k]) * double(rays.dir(0)[i]) +
-                 double(m[3 * k + 1]) * double(rays.dir(1)[i]) +
-                 double(m[3 * k + 2]) * double(rays.dir(2)[i]);
-        };
-        double u, v;
-        UvOfDirection({row(0), row(1), row(2)}, u, v);
-        float* const texel = counts.Pixel(std::clamp(int(u * counts.width), 0, counts.width - 1),
-                                          std::clamp(int(v * counts.height), 0, counts.height - 1));
-        for (int c = 0; c < 3; ++c) texel[c] += 1;
-      }
+  for (const RayBatch& batch : rays.batches()) {
+    if (batch.kind != RayKind::kShadow) continue;
+    for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+      if (!std::isinf(rays.t_far()[i])) continue;
+      double u, v;
+      UvOfDirection(
+          MapFromWorld({rays.dir(0)[i], rays.dir(1)[i], rays.dir(2)[i]}, map.map_from_world), u, v);
+      counts[TexelOfUv(u, v, latlong.width, latlong.height)] += 1;
     }
   }
-  return counts;
+}
+
+}  // namespace
+
+Image CountSamples(const RenderJob& job) {
+  FrameView frame = job.frame();
+  const Image& latlong = frame.map->latlong;
+  std::vector<double> counts(std::size_t(latlong.width) * latlong.height);
+  // A sample of each pixel at a time, so that its rays are all that is kept.
+  RenderOptions& options = frame.options;
+  const SampleRange samples = SamplesOf(options);
+  options.picture_samples = PictureSamples(options);
+  options.samples_per_pixel = 1;
+  for (std::uint32_t sample = samples.first; sample < samples.end; ++sample) {
+    options.first_sample = sample;
+    Film film = job.MakeFilm();
+    std::vector<RayRecorder> recorders;
+    RenderFrame(frame, film, {.recorders = &recorders});
+    for (const RayRecorder& rays : recorders) CountRays(rays, *frame.map, counts);
+  }
+  Image image(latlong.width, latlong.height);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = float(counts[i / 3]);
+  return image;
 }
 
 }  // namespace skywave

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -108,15 +110,29 @@ std::vector<Plot> CurvesOfDensities(const SphereMap& map, std::optional<double> 
   return plots;
 }
 
-// Throws OptionError where options of a render have nothing to say.
-void RequireNoRender(const PlotFlags& flags) {
-  if (flags.what == "samples") return;
-  const auto refuse = [](const char* option, const std::string& value) {
-    throw OptionError(option, value, "is of the render of `what samples`");
-  };
-  if (!flags.job.scene.empty()) refuse("scene", flags.job.scene);
-  if (!flags.job.strategy.empty()) refuse("strategy", flags.job.strategy);
-  if (flags.job.samples_per_pixel) refuse("spp", fmt::format("{}", *flags.job.samples_per_pixel));
+// Throws OptionError for an option that is about another kind of plot.
+void RequireUsed(const GivenOptions& given, const std::string& what) {
+  using Names = std::set<std::string_view>;
+  static const Names kOfLights = {"method", "lights",  "position",   "longest",  "lloyd",
+                                  "seed",   "cluster", "separation", "clusters", "strata"};
+  static const std::map<std::string_view, Names> kUsed = {
+      {"lights", kOfLights},
+      {"cells", kOfLights},
+      {"strata", {"strata"}},
+      {"thresholds", {"strata"}},
+      {"samples", {"scene", "strategy", "spp"}},
+      {"merging", {"method", "lights", "longest", "seed", "cluster", "separation", "clusters"}},
+      {"plane", {"lights", "seed"}},
+      {"densities", {"column"}}};
+  const auto used = kUsed.find(what);
+  for (const auto& [other, options] : kUsed) {
+    for (const std::string_view option : options) {
+      if (!given.contains(option) || (used != kUsed.end() && used->second.contains(option)))
+        continue;
+      throw OptionError(std::string(option), "",
+                        fmt::format("has nothing to say of `what {}`", what));
+    }
+  }
 }
 
 // Returns how often a render of the scene samples each texel of the map (T figure 7.3).
@@ -150,7 +166,7 @@ std::vector<PlotDots> DotsOfMerging(const SphereMap& map, const LightOptions& op
           {std::move(samples.made), {0.1, 0.8, 0.2}}};
 }
 
-int PlotMain(PlotFlags& flags) {
+int PlotMain(PlotFlags& flags, const GivenOptions& given) {
   CheckOutputs(std::array{flags.output}, std::array{flags.map.path});
   const bool svg = flags.output.ends_with(".svg");
   if (svg != flags.has_curves()) {
@@ -158,11 +174,7 @@ int PlotMain(PlotFlags& flags) {
                       fmt::format("`what {}` makes {}: name a file that ends in {}", flags.what,
                                   svg ? "a picture" : "curves", svg ? ".png" : ".svg"));
   }
-  if (flags.column && flags.what != "densities") {
-    throw OptionError("column", fmt::format("{}", *flags.column),
-                      fmt::format("is that of `what densities`, not of `what {}`", flags.what));
-  }
-  RequireNoRender(flags);
+  RequireUsed(given, flags.what);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   if (flags.has_curves()) {
@@ -185,7 +197,9 @@ int PlotMain(PlotFlags& flags) {
   }
   if (flags.what == "merging") flags.plot.dots = DotsOfMerging(map, flags.request.lights);
   if (flags.what == "plane") {
-    const PenroseSet samples = PenroseSamples(PlanePyramid(map), flags.request.lights.lights, {});
+    const LightOptions& lights = flags.request.lights;
+    const PenroseSet samples =
+        PenroseSamples(PlanePyramid(map), lights.lights, {.seed = lights.seed});
     flags.plot.dots = {{Directions(samples), {0.1, 0.1, 0.1}}};
   }
   ProbeLights lights;
@@ -242,7 +256,7 @@ Command ProbePlotCommand() {
           "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png\n"
           "  skywave probe plot sky.exr --what samples --scene spheres -o samples.png\n"
           "  skywave probe plot sky.exr --what thresholds -o curves.svg",
-      .run = [flags](const GivenOptions&) { return PlotMain(*flags); }};
+      .run = [flags](const GivenOptions& given) { return PlotMain(*flags, given); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
   const auto options = PlotOptions();

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "job/batch/draws.h"
 #include "job/batch/number_list.h"
 #include "job/camera_file.h"
@@ -70,7 +71,9 @@ bool NamesFile(std::string_view option) {
 
 std::string LabelOf(const std::string& option, const std::string& text) {
   if (!NamesFile(option)) return text;
-  std::string label = std::filesystem::path(text).stem().string();
+  const auto [path, layer] = SplitFileName(text);
+  std::string label = std::filesystem::path(path).stem().string();
+  if (!layer.empty()) label += "_" + layer;
   if (option == "env" && IsMapSequence(text)) {
     std::erase(label, '#');
     label.erase(label.find_last_not_of("_.-") + 1);
@@ -112,8 +115,9 @@ std::string AxisReader::FileNamed(const PictureOption& option) const {
   const std::string file =
       (std::filesystem::path(folder_) / option.text).lexically_normal().string();
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(file, ignored)) {
-    if (::access(file.c_str(), R_OK) != 0) Refuse(option.line, file + " cannot be read");
+  const std::string path = SplitFileName(file).path;
+  if (std::filesystem::is_regular_file(path, ignored)) {
+    if (::access(path.c_str(), R_OK) != 0) Refuse(option.line, path + " cannot be read");
     return file;
   }
   if (option.name == "scene" && IsBuiltinScene(option.text)) return option.text;

@@ -108,8 +108,8 @@ std::set<std::string> InputFiles(const BatchPlan& plan) {
     for (const PictureOption& option : picture.options) {
       if (!NamesFile(option.name)) continue;
       const bool moves = option.name == "env" && IsMapSequence(option.text);
-      const std::string file =
-          moves ? MapFile(RequestOf(plan.path, picture.options).job) : option.text;
+      const std::string file = moves ? MapFile(RequestOf(plan.path, picture.options).job)
+                                     : SplitFileName(option.text).path;
       std::error_code ignored;
       if (std::filesystem::is_regular_file(file, ignored)) files.insert(file);
     }

@@ -99,6 +99,12 @@ void UvOfDirection(const Vector3& direction, double& u, double& v) {
   v = std::atan2(std::hypot(direction.x, direction.y), direction.z) / std::numbers::pi;
 }
 
+std::size_t TexelOfUv(double u, double v, int width, int height) {
+  const int column = std::clamp(int(u * width), 0, width - 1);
+  const int row = std::clamp(int(v * height), 0, height - 1);
+  return std::size_t(row) * width + column;
+}
+
 std::array<float, 3> WorldFromMap(const Vector3& d, const std::array<float, 9>& map_from_world) {
   std::array<float, 3> world;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -107,6 +113,14 @@ std::array<float, 3> WorldFromMap(const Vector3& d, const std::array<float, 9>& 
                         d.z * map_from_world[6 + axis]);
   }
   return world;
+}
+
+Vector3 MapFromWorld(const Vector3& d, const std::array<float, 9>& map_from_world) {
+  const auto row = [&](std::size_t k) {
+    return double(map_from_world[3 * k]) * d.x + double(map_from_world[3 * k + 1]) * d.y +
+           double(map_from_world[3 * k + 2]) * d.z;
+  };
+  return {row(0), row(1), row(2)};
 }
 
 }  // namespace skywave

@@ -55,9 +55,12 @@ SphereMap MakeSphereMap(const Image& image);
 // These convert (u, v) in [0, 1]^2 to a unit vector, and back with u in [0, 1).
 Vector3 DirectionOfUv(double u, double v);
 void UvOfDirection(const Vector3& direction, double& u, double& v);
+// Returns the texel, counted row by row, that has (u, v) in a map of this size.
+std::size_t TexelOfUv(double u, double v, int width, int height);
 
-// Turns a direction of map space into world space.
+// Turns a direction of map space into world space, and back.
 std::array<float, 3> WorldFromMap(const Vector3& direction,
                                   const std::array<float, 9>& map_from_world);
+Vector3 MapFromWorld(const Vector3& direction, const std::array<float, 9>& map_from_world);
 
 }  // namespace skywave

@@ -70,9 +70,7 @@ class Canvas {
       const Vector3 d = a * eye_.right + b * eye_.up + std::sqrt(1 - a * a - b * b) * eye_.towards;
       UvOfDirection(d, u, v);
     }
-    const int column = std::clamp(int(u * map_.width), 0, map_.width - 1);
-    const int row = std::clamp(int(v * map_.height), 0, map_.height - 1);
-    return std::size_t(row) * map_.width + column;
+    return TexelOfUv(u, v, map_.width, map_.height);
   }
 
   // Returns the point where a direction is seen, if it is.

@@ -211,6 +211,15 @@ TEST_F(Plan, PatternsOfFilesAreSortedAndRelativeToTheJobFile) {
                                    folder_.Path("skies/b.hdr")}));
 }
 
+TEST_F(Plan, LayersOfAFileAreMapsOfTheirOwn) {
+  const BatchPlan plan = Read(std::string(kBase) +
+                              "[axes]\nenv = [\"grace.exr\", \"grace.exr:sun\"]\n"
+                              "[output]\npath = \"{env}.exr\"\n");
+  ASSERT_EQ(plan.pictures.size(), 2u);
+  EXPECT_EQ(plan.pictures[1].output, folder_.Path("grace_sun.exr"));
+  EXPECT_EQ(InputFiles(plan), std::set<std::string>{folder_.Path("grace.exr")});
+}
+
 TEST_F(Plan, MapSequencesNeedAFileForEveryFrame) {
   for (const char* const map : {"sky_08.exr", "sky_09.exr", "sky_10.exr"}) folder_.Write(map, "");
   const std::string job =

@@ -108,6 +108,21 @@ TEST_F(CompareCli, NoiseIsThatOfThePixelsThatAreCompared) {
   EXPECT_EQ(nlohmann::json::parse(Bytes("c.json")).at("noise").at("values"), 3);
 }
 
+// What a file says of noise is that of its picture, not that of a layer.
+TEST_F(CompareCli, ALayerCountsAsExact) {
+  const std::vector<float> few(32, 4.0f), ones(32, 1.0f);
+  std::vector<NamedChannel> layers = {{"samples.V", few}};
+  for (const char letter : {'R', 'G', 'B'}) {
+    layers.push_back({std::string("variance.") + letter, ones});
+    layers.push_back({std::string("albedo.") + letter, ones});
+  }
+  WritePart(Path("noisy.exr"), 0, 0, 8, 4, layers);
+  ASSERT_EQ(Run("compare noisy.exr noisy.exr --json c.json").exit_code, 0);
+  EXPECT_TRUE(nlohmann::json::parse(Bytes("c.json")).contains("noise"));
+  ASSERT_EQ(Run("compare noisy.exr:albedo noisy.exr:albedo --json c.json").exit_code, 0);
+  EXPECT_FALSE(nlohmann::json::parse(Bytes("c.json")).contains("noise"));
+}
+
 // The map shows an error of `full-scale` in the brightest colour, and smaller ones in darker
 // colours.
 TEST_F(CompareCli, TheFullScaleOfAnErrorMapIsItsBrightestColour) {

@@ -278,7 +278,8 @@ TEST_F(ProbeCommand, PlotsShowTheMapWhereItIs) {
 TEST_F(ProbeCommand, PlotsShowLightsCellsAndStrata) {
   constexpr std::array<int, 3> kDot = {89, 255, 242}, kBorder = {51, 255, 77};
   const auto plot = [&](const std::string& what) {
-    EXPECT_EQ(Probe("plot sun.exr -n 9 --height 256 -o p.png --what " + what), 0) << out_;
+    const std::string lights = what == "lights" || what == "cells" ? "-n 9 " : "";
+    EXPECT_EQ(Probe("plot sun.exr " + lights + "--height 256 -o p.png --what " + what), 0) << out_;
     return Plot{DecodeTexture("p.png", ReadFile(File("p.png")), Encoding::kLinear)};
   };
   ASSERT_EQ(Probe("lights sun.exr -n 9 --format json -o l.json"), 0) << out_;
@@ -319,6 +320,13 @@ TEST_F(ProbeCommand, PlotsShowLightsCellsAndStrata) {
   EXPECT_LT(dimmed, 512 * 256);
 }
 
+TEST_F(ProbeCommand, AFileWhoseLayerIsReadIsNotWritten) {
+  const std::string before = ReadFile(File("sun.exr"));
+  EXPECT_EQ(Probe("convert sun.exr:R sun.exr --to latlong"), kExitUsage);
+  EXPECT_NE(out_.find("is an input of this command"), std::string::npos) << out_;
+  EXPECT_EQ(ReadFile(File("sun.exr")), before);
+}
+
 TEST_F(ProbeCommand, PlotsDrawTheCurvesOfSampling) {
   ASSERT_EQ(Probe("plot sun.exr --what thresholds -o curves.svg"), 0) << out_;
   const std::string curves = ReadFile(File("curves.svg"));
@@ -337,7 +345,8 @@ TEST_F(ProbeCommand, PlotsDrawTheCurvesOfSampling) {
   EXPECT_NE(out_.find("makes curves: name a file that ends in .svg"), std::string::npos) << out_;
   EXPECT_EQ(Probe("plot sun.exr --what map -o map.svg"), kExitUsage);
   EXPECT_EQ(Probe("plot sun.exr --what thresholds --column 0.25 -o curves.svg"), kExitUsage);
-  EXPECT_NE(out_.find("--column 0.25: is that of"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("--column: has nothing to say of --what thresholds"), std::string::npos)
+      << out_;
 }
 
 TEST_F(ProbeCommand, PlotsDrawSamplesOfRendersAndMergedLights) {
@@ -355,10 +364,13 @@ TEST_F(ProbeCommand, PlotsDrawSamplesOfRendersAndMergedLights) {
   EXPECT_NE(ReadFile(File("p.png")), ReadFile(File("m.png")));
   EXPECT_EQ(Probe("plot sun.exr --what merging -o m.png"), kExitUsage);
   EXPECT_NE(out_.find("merges no lights"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("plot sun.exr --what plane --lloyd 2 -o m.png"), kExitUsage);
+  EXPECT_NE(out_.find("--lloyd: has nothing to say of --what plane"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("plot sun.exr -n 5 -o m.png"), kExitUsage);
   EXPECT_EQ(Probe("plot sun.exr --what samples -o m.png"), kExitUsage);
   EXPECT_NE(out_.find("--scene"), std::string::npos) << out_;
   EXPECT_EQ(Probe("plot sun.exr --what cells --scene spheres -o m.png"), kExitUsage);
-  EXPECT_NE(out_.find("--scene spheres: is of the render"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("--scene: has nothing to say of --what cells"), std::string::npos) << out_;
 }
 
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
@@ -367,10 +379,10 @@ TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   double probability = 0;
   for (const auto& sample : json["samples"]) probability += double(sample["probability"]);
   EXPECT_NEAR(probability, 1, 1e-9);
-  for (const char* what : {"map", "lights", "cells", "strata"}) {
+  for (const char* what : {"map", "lights -n 9", "cells -n 9", "strata"}) {
     for (const char* view : {"latlong", "sphere --side up", "sphere --side left"}) {
-      ASSERT_EQ(Probe(std::string("plot sun.exr -n 9 --height 64 -o p.png --what ") + what +
-                      " --view " + view),
+      ASSERT_EQ(Probe(std::string("plot sun.exr --height 64 -o p.png --what ") + what + " --view " +
+                      view),
                 0)
           << out_;
       EXPECT_EQ(ReadFile(File("p.png")).substr(1, 3), "PNG");

@@ -126,7 +126,7 @@ TEST_F(ExrLayers, DoNotHideFilesWithColons) {
   WriteLayers("a.exr");
   WriteExr(Path("a.exr:sky"), Filled(9));
   EXPECT_EQ(ReadImage(Path("a.exr:sky")).rgb, Filled(9).rgb);
-  EXPECT_EQ(SplitPictureName("nowhere.exr:sky").path, "nowhere.exr:sky");
+  EXPECT_EQ(SplitFileName("nowhere.exr:sky").path, "nowhere.exr:sky");
   EXPECT_THROW(ReadImage(Path("b.exr:sky")), InputError);
 }
 
