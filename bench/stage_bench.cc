@@ -12,6 +12,7 @@
 #include "kernels/camera.h"
 #include "kernels/lights/environment.h"
 #include "kernels/sampler.h"
+#include "kernels/surface/layers.h"
 #include "kernels/surface/surface.h"
 #include "scene/builtin/builtin.h"
 #include "scene/geometry.h"
@@ -219,6 +220,9 @@ void PaintWave(WaveFixture& f, std::uint32_t kind) {
     s.material[i] = material;
     s.varying_0[i] = tangent ? 1 : record.alpha;
     s.varying_1[i] = tangent ? 0 : record.eta[0];
+  }
+  if (Bsdfs()[kind].varying == Varying::kLayers) {
+    PrepareLayers({}, geometry.materials().records, false, 0, f.ranges.total(), s);
   }
 }
 

@@ -108,7 +108,8 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
     json[parameter.name] = parameter.value;
   Material::ForEachField(
       material, [&](std::string_view name, MaterialPart part, const auto& field) {
-        const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture;
+        const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture ||
+                             part == MaterialPart::kLayers;
         const nlohmann::ordered_json value = Value(field);
         if (!printed && material.has(part) && !value.is_null()) json[std::string(name)] = value;
       });

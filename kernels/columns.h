@@ -42,7 +42,8 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(Measured)                  \
   BSDF(RoughThinDielectric)       \
   BSDF(GlossyDiffuse)             \
-  BSDF(FresnelBlend)
+  BSDF(FresnelBlend)              \
+  BSDF(LayeredMetallicRoughness)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \
@@ -157,6 +158,7 @@ struct SurfaceColumns {
   float* light_norm;
   // The parameters of the row's BSDF that vary over a surface; BsdfTraits::varying says which.
   float *varying_0, *varying_1;
+  float *varying_2, *varying_3;  // of Varying::kLayers alone
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -168,7 +170,7 @@ struct SurfaceColumns {
     f(self.ns_x), f(self.ns_y), f(self.ns_z);
     f(self.color_r), f(self.color_g), f(self.color_b);
     f(self.lift), f(self.material), f(self.light_norm);
-    f(self.varying_0), f(self.varying_1);
+    f(self.varying_0), f(self.varying_1), f(self.varying_2), f(self.varying_3);
   }
 };
 
@@ -258,7 +260,7 @@ inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::mate
 // Returns the index of a member of a record among the record's words, for kernels that gather.
 #define SKYWAVE_WORD(record, member) (offsetof(record, member) / sizeof(std::uint32_t))
 
-// A material as its BSDF has packed it: 16 words, read by gathers. The members have the names of
+// A material as its BSDF has packed it: 32 words, read by gathers. The members have the names of
 // what most BSDFs keep in them; a BSDF that keeps something else there gives the word another name
 // (MaterialField).
 struct MaterialRecord {
@@ -273,8 +275,18 @@ struct MaterialRecord {
   // red one that of the width across the tangent or of a coat over metal, and its blue one the
   // share of metal.
   std::uint32_t roughness_texture;
+
+  // The rest is of layered metallic-roughness alone, which keeps its coat and its sheen as coated
+  // metallic-roughness does (Material has their meanings).
+  float specular_color[3];
+  float specular;
+  float grain[2];  // anisotropy as a vector: cosine and sine of its turn, times its strength
+  float film, film_ior;
+  // Rows in the texture table + 1; 0: none.
+  std::uint32_t sheen_texture, sheen_alpha_texture, coat_alpha_texture, specular_texture,
+      specular_color_texture, anisotropy_texture, film_texture, film_thickness_texture;
 };
-inline constexpr int kLogMaterialWords = 4;
+inline constexpr int kLogMaterialWords = 5;
 static_assert(sizeof(MaterialRecord) == sizeof(std::uint32_t) << kLogMaterialWords);
 
 // The words of a MaterialRecord by name: what PutField (kernels/bsdf/pack.h) writes and Field
@@ -303,6 +315,22 @@ enum class MaterialField : std::uint32_t {
   kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
+  // Layered metallic-roughness: thickness of the film where its texture is 0, and where it is 1.
+  kFilmThin = SKYWAVE_WORD(MaterialRecord, eta[1]),
+  kFilmThick = SKYWAVE_WORD(MaterialRecord, eta[2]),
+  kSpecularColor = SKYWAVE_WORD(MaterialRecord, specular_color),
+  kSpecular = SKYWAVE_WORD(MaterialRecord, specular),
+  kGrain = SKYWAVE_WORD(MaterialRecord, grain),  // two words
+  kFilm = SKYWAVE_WORD(MaterialRecord, film),
+  kFilmIor = SKYWAVE_WORD(MaterialRecord, film_ior),
+  kSheenTexture = SKYWAVE_WORD(MaterialRecord, sheen_texture),
+  kSheenAlphaTexture = SKYWAVE_WORD(MaterialRecord, sheen_alpha_texture),
+  kCoatAlphaTexture = SKYWAVE_WORD(MaterialRecord, coat_alpha_texture),
+  kSpecularTexture = SKYWAVE_WORD(MaterialRecord, specular_texture),
+  kSpecularColorTexture = SKYWAVE_WORD(MaterialRecord, specular_color_texture),
+  kAnisotropyTexture = SKYWAVE_WORD(MaterialRecord, anisotropy_texture),
+  kFilmTexture = SKYWAVE_WORD(MaterialRecord, film_texture),
+  kFilmThicknessTexture = SKYWAVE_WORD(MaterialRecord, film_thickness_texture),
   kGloss = kEta,       // a body and a gloss: colour of the gloss
   kReflection = kEta,  // dielectrics: that of Material, 0 where it is unset
   kAbsorption = kK     // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB

@@ -82,10 +82,16 @@ TriangleRecord MakeRecord(const Mesh& mesh, bool one_sided, glm::uvec3& corners)
   return record;
 }
 
-// Returns the direction in which u grows over a triangle, or the world's +y where it has no uvs.
+// Returns the mean of the mesh's tangents over a triangle or, where it has none of them, the
+// direction in which u grows, or the world's +y where it has no uvs.
 std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
-  glm::dvec3 tangent(0, 1, 0);
-  if (!mesh.uvs.empty()) {
+  glm::dvec3 tangent(0, 1, 0), mean(0);
+  for (int i = 0; i < 3 && !mesh.tangents.empty(); ++i) {
+    mean += glm::dvec3(mesh.tangents[corners[i]]);
+  }
+  if (const double size = glm::length(mean); std::isfinite(size) && size > 1e-6) {
+    tangent = mean / size;
+  } else if (!mesh.uvs.empty()) {
     const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]),
         c(mesh.positions[corners.z]);
     const glm::dvec2 s(mesh.uvs[corners.x]), t(mesh.uvs[corners.y]), w(mesh.uvs[corners.z]);
@@ -370,7 +376,8 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take up to 0.3 s, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
-    if (BsdfOf(material).tables.anisotropic && material.energy_compensation) {
+    if (BsdfOf(material).tables.anisotropic && material.energy_compensation &&
+        HasTangent(material)) {
       tables.anisotropic = &GetAnisotropicTables();
     }
     if (BsdfOf(material).tables.sheen) tables.sheen = &GetSheenTables();

@@ -52,8 +52,9 @@ class Converter {
 };
 
 void ConvertMaterial(const Converter& converter, Material& material) {
-  for (glm::vec3* const color : {&material.reflectance, &material.second_color,
-                                 &material.coat_albedo, &material.sheen, &material.emission}) {
+  for (glm::vec3* const color :
+       {&material.reflectance, &material.second_color, &material.coat_albedo, &material.sheen,
+        &material.specular_color, &material.emission}) {
     converter.Convert(*color);
   }
   if (material.reflection) converter.Convert(*material.reflection);
@@ -65,7 +66,8 @@ void ConvertMaterial(const Converter& converter, Material& material) {
 template <class M, class F>
 void ForEachColorTexture(M& material, const F& f) {
   for (auto* const texture :
-       {&material.color_texture, &material.second_color_texture, &material.emission_texture}) {
+       {&material.color_texture, &material.second_color_texture, &material.sheen_texture,
+        &material.specular_color_texture, &material.emission_texture}) {
     if (*texture) f(**texture);
   }
 }
@@ -78,12 +80,14 @@ void ConvertImages(const Converter& converter, Scene& scene) {
     ForEachColorTexture(material, [&](std::uint32_t texture) { of_colors.insert(texture); });
   }
   std::set<std::uint32_t> of_numbers;  // images
-  for (Material& material : scene.materials) {
-    Material numbers = material;
-    numbers.color_texture.reset(), numbers.second_color_texture.reset();
-    numbers.emission_texture.reset();
-    ForEachTexture(
-        numbers, [&](std::uint32_t texture) { of_numbers.insert(scene.textures[texture].image); });
+  for (const Material& material : scene.materials) {
+    std::multiset<std::uint32_t> textures;
+    ForEachTexture(material, [&](std::uint32_t texture) { textures.insert(texture); });
+    ForEachColorTexture(material,
+                        [&](std::uint32_t texture) { textures.erase(textures.find(texture)); });
+    for (const std::uint32_t texture : textures) {
+      of_numbers.insert(scene.textures[texture].image);
+    }
   }
   std::map<std::uint32_t, std::uint32_t> converted;  // image -> its colours
   const auto colors_of = [&](std::uint32_t image) {

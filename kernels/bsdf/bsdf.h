@@ -132,6 +132,9 @@ enum class Varying {
   // Cosine and sine of the angle from the first axis of the shading frame to the tangent. Rows that
   // have an image of two widths hold the width along the tangent and a FacetTurn instead.
   kTangent,
+  // What the textures of layered metallic-roughness say, in four columns
+  // (kernels/surface/layers-inl.h).
+  kLayers,
 };
 
 // The tables that the kernels of a BSDF read besides the records of materials.
@@ -162,7 +165,7 @@ struct BsdfTraits {
   std::optional<MaterialField> across = {};
   bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
-  MaterialParameter parameters[8] = {};  // after the last one they have no name (ParametersOf)
+  MaterialParameter parameters[16] = {};  // after the last one they have no name (ParametersOf)
   // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the
   // BSDF has no parameters.
   void (*pack)(const Material& material, MeasuredBrdfs measured, MaterialRecord& record) = nullptr;

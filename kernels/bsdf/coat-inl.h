@@ -43,10 +43,7 @@ template <class Base, class Parameters>
 struct Coated {
   HWY_INLINE Coated(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                     std::uint32_t n)
-      : base(s, m, i, n),
-        parameters(m, MaterialFields(s, i, n)),
-        ggx(parameters.alpha),
-        tables(*m.conductor) {}
+      : base(s, m, i, n), parameters(s, m, i, n), ggx(parameters.alpha), tables(*m.conductor) {}
 
   HWY_INLINE VF Albedo(VF cosine) const {
     const VF all = ggx.Table(tables.albedo, cosine), grazing = ggx.Table(tables.grazing, cosine);
@@ -105,7 +102,7 @@ struct Sheened {
   HWY_INLINE Sheened(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                      std::uint32_t n)
       : base(s, m, i, n),
-        parameters(m, MaterialFields(s, i, n)),
+        parameters(s, m, i, n),
         color(parameters.color),
         width(parameters.alpha),
         tables(*m.sheen) {}

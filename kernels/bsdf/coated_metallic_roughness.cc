@@ -18,9 +18,12 @@ struct ClothSheen {
   static constexpr MaterialField kColor = kMultiscatter;
   static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[2]));
 
-  HWY_INLINE ClothSheen(const MaterialView& m, VU fields)
-      : color(Field3(m, fields, kColor)),
+  HWY_INLINE ClothSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                        std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(Field3(m, fields, kColor)),
         alpha(Clamp(Field(m, fields, kAlpha), kMinSheenAlpha, 1.0f)) {}
+  VU fields;
   V3 color;
   VF alpha;
 };
@@ -29,10 +32,13 @@ struct ClearCoat {
   static constexpr auto kStrength = MaterialField(SKYWAVE_WORD(MaterialRecord, k[0]));
   static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[1]));
 
-  HWY_INLINE ClearCoat(const MaterialView& m, VU fields)
-      : strength(Field(m, fields, kStrength)),
+  HWY_INLINE ClearCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                       std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        strength(Field(m, fields, kStrength)),
         alpha(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)),
         f0(Set(0.04f)) {}
+  VU fields;
   VF strength, alpha, f0;
 };
 

@@ -46,7 +46,9 @@ enum class MaterialPart {
   kSidedness,
   kCatcher,
   kHoldout,
-  kLinks
+  kLinks,
+  kLayers,
+  kLayerTextures
 };
 
 struct Material {
@@ -81,6 +83,16 @@ struct Material {
   float coat_asymmetry = 0;
   glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
   float sheen_alpha = 0.1f;
+  // Layered metallic-roughness: what the dielectric reflects at grazing angles, and the factor of
+  // what it reflects at normal incidence besides.
+  float specular = 1;
+  glm::vec3 specular_color{1.0f};
+  // Share in [0, 1] by whose square the width along the grain goes from alpha to 1, and the angle
+  // from the tangent to the grain, counter-clockwise [rad].
+  float anisotropy = 0, anisotropy_turn = 0;
+  // Share of the surface that has a thin film, its index, and its thickness where the texture is 0
+  // and where it is 1 or there is none [nm].
+  float film = 0, film_ior = 1.3f, film_thin = 100, film_thick = 400;
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
   // Dielectrics: factor of what they reflect; the reflectance is then that of what they let
   // through. Unset: the reflectance is the factor of both.
@@ -96,6 +108,13 @@ struct Material {
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
   std::optional<std::uint32_t> second_color_texture;  // a factor of the second colour (not Phong's)
+  // Layered metallic-roughness: factors of the sheen and the specular colour (RGB); of the square
+  // roots of sheen_alpha and coat_alpha (green), of specular, film and the place between film_thin
+  // and film_thick (green); and of anisotropy (blue), whose red and green channel are 1/2 + 1/2 of
+  // the cosine and sine of another turn.
+  std::optional<std::uint32_t> sheen_texture, sheen_alpha_texture, coat_alpha_texture;
+  std::optional<std::uint32_t> specular_texture, specular_color_texture, anisotropy_texture;
+  std::optional<std::uint32_t> film_texture, film_thickness_texture;
   // The share of the surface that exists is this number times the texture. With a cutoff the
   // surface exists where that product reaches it, and nowhere else.
   float opacity = 1;
@@ -153,6 +172,9 @@ struct Material {
         return !energy_compensation;
       case MaterialPart::kSecondColorTexture:
         return second_color_texture.has_value();
+      case MaterialPart::kLayers:
+      case MaterialPart::kLayerTextures:
+        return bsdf == BsdfKind::kLayeredMetallicRoughness;
       case MaterialPart::kReflection:
         return reflection.has_value();
       case MaterialPart::kEmission:
@@ -176,11 +198,14 @@ struct Material {
     // A new member does not compile until it is named here; a test counts that all are visited.
     auto& [name, bsdf, reflectance, eta, k, metal_of_color, alpha, alpha_across, ior, metallic,
            second_color, coat, coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen,
-           sheen_alpha, measured, reflection, absorption, energy_compensation, color_texture,
-           roughness_texture, second_color_texture, opacity, opacity_cutoff, opacity_texture,
-           normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture, one_sided, catcher, holdout, unlit, unshadowed] =
-        self;
+           sheen_alpha, specular, specular_color, anisotropy, anisotropy_turn, film, film_ior,
+           film_thin, film_thick, measured, reflection, absorption, energy_compensation,
+           color_texture, roughness_texture, second_color_texture, sheen_texture,
+           sheen_alpha_texture, coat_alpha_texture, specular_texture, specular_color_texture,
+           anisotropy_texture, film_texture, film_thickness_texture, opacity, opacity_cutoff,
+           opacity_texture, normal_texture, normal_scale, height_in_texels, mixture,
+           mixture_texture, emission, emits_on_both_sides, emission_texture, one_sided, catcher,
+           holdout, unlit, unshadowed] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -213,6 +238,22 @@ struct Material {
     f("metal_of_color", kMetalOfColor, metal_of_color);
     f("energy_compensation", kSingleScattering, energy_compensation);
     f("second_color_texture", kSecondColorTexture, second_color_texture);
+    f("specular", kLayers, specular);
+    f("specular_color", kLayers, specular_color);
+    f("anisotropy", kLayers, anisotropy);
+    f("anisotropy_turn", kLayers, anisotropy_turn);
+    f("film", kLayers, film);
+    f("film_ior", kLayers, film_ior);
+    f("film_thin", kLayers, film_thin);
+    f("film_thick", kLayers, film_thick);
+    f("sheen_texture", kLayerTextures, sheen_texture);
+    f("sheen_alpha_texture", kLayerTextures, sheen_alpha_texture);
+    f("coat_alpha_texture", kLayerTextures, coat_alpha_texture);
+    f("specular_texture", kLayerTextures, specular_texture);
+    f("specular_color_texture", kLayerTextures, specular_color_texture);
+    f("anisotropy_texture", kLayerTextures, anisotropy_texture);
+    f("film_texture", kLayerTextures, film_texture);
+    f("film_thickness_texture", kLayerTextures, film_thickness_texture);
     f("reflection", kReflection, reflection);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);

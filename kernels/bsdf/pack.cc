@@ -98,7 +98,8 @@ void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
 
 bool HasTangent(const Material& material) {
   const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
-  return bsdf.varying == Varying::kTangent || (bsdf.two_widths && material.alpha_across);
+  return bsdf.varying == Varying::kTangent || (bsdf.two_widths && material.alpha_across) ||
+         (bsdf.varying == Varying::kLayers && material.anisotropy > 0);
 }
 
 MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {

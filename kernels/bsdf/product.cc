@@ -62,17 +62,20 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
   }
 }
 
-void GatherWeighedSurfaces(const SurfaceColumns& s, const std::uint32_t* from, std::uint32_t n,
-                           const SurfaceColumns& out) {
-  const float* const columns[] = {s.wo_x,    s.wo_y,    s.wo_z,      s.ng_x,      s.ng_y,
-                                  s.ng_z,    s.ns_x,    s.ns_y,      s.ns_z,      s.color_r,
-                                  s.color_g, s.color_b, s.varying_0, s.varying_1, s.light_norm};
-  float* const copies[] = {out.wo_x,    out.wo_y,    out.wo_z,      out.ng_x,      out.ng_y,
-                           out.ng_z,    out.ns_x,    out.ns_y,      out.ns_z,      out.color_r,
-                           out.color_g, out.color_b, out.varying_0, out.varying_1, out.light_norm};
+void GatherWeighedSurfaces(const SurfaceColumns& s, bool layers, const std::uint32_t* from,
+                           std::uint32_t n, const SurfaceColumns& out) {
+  const float* const columns[] = {s.wo_x,      s.wo_y,     s.wo_z,      s.ng_x,      s.ng_y,
+                                  s.ng_z,      s.ns_x,     s.ns_y,      s.ns_z,      s.color_r,
+                                  s.color_g,   s.color_b,  s.varying_0, s.varying_1, s.light_norm,
+                                  s.varying_2, s.varying_3};
+  float* const copies[] = {
+      out.wo_x,      out.wo_y,      out.wo_z,       out.ng_x,      out.ng_y,     out.ng_z,
+      out.ns_x,      out.ns_y,      out.ns_z,       out.color_r,   out.color_g,  out.color_b,
+      out.varying_0, out.varying_1, out.light_norm, out.varying_2, out.varying_3};
+  const std::size_t count = std::size(columns) - (layers ? 0 : 2);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU row = hn::IfThenElseZero(RowsBelow(i, n), Load(from + i));
-    for (std::size_t c = 0; c < std::size(columns); ++c) {
+    for (std::size_t c = 0; c < count; ++c) {
       Store(Gather(columns[c], row), copies[c] + i);
     }
     Store(Gather(s.material, row), out.material + i);
@@ -113,9 +116,9 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
                const EscapeColumns& rows, std::uint32_t* cell) {
   HWY_DYNAMIC_DISPATCH(FindCells)(map, cell_of_texel, n, rows, cell);
 }
-void GatherWeighedSurfaces(const SurfaceColumns& surfaces, const std::uint32_t* from,
+void GatherWeighedSurfaces(const SurfaceColumns& surfaces, bool layers, const std::uint32_t* from,
                            std::uint32_t n, const SurfaceColumns& out) {
-  HWY_DYNAMIC_DISPATCH(GatherWeighedSurfaces)(surfaces, from, n, out);
+  HWY_DYNAMIC_DISPATCH(GatherWeighedSurfaces)(surfaces, layers, from, n, out);
 }
 void ScaleByPick(const float* weight, const float* norm, std::uint32_t n, float* light_pdf) {
   HWY_DYNAMIC_DISPATCH(ScaleByPick)(weight, norm, n, light_pdf);

@@ -41,8 +41,8 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
                const EscapeColumns& rows, std::uint32_t* cell);
 
 // Copies the columns by which BSDFs weigh cells, and light_norm, from row from[i] of `surfaces` to
-// row i of `out`, for rows [0, n), n <= kProductRows.
-void GatherWeighedSurfaces(const SurfaceColumns& surfaces, const std::uint32_t* from,
+// row i of `out`, for rows [0, n), n <= kProductRows; those of Varying::kLayers if `layers`.
+void GatherWeighedSurfaces(const SurfaceColumns& surfaces, bool layers, const std::uint32_t* from,
                            std::uint32_t n, const SurfaceColumns& out);
 
 // Multiplies light_pdf[i] by weight[i] / norm[i] (0 where norm is) for rows [0, n).

@@ -123,7 +123,8 @@ void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n
         alignas(kColumnAlignment) std::uint32_t cell[kProductStride];
         alignas(kColumnAlignment) float weight[kProductStride];
         FindCells(texels_.view(), cell_of_texel_.data(), count, Slice(rows, begin), cell);
-        GatherWeighedSurfaces(points.surfaces, rows.from + begin, count, surfaces);
+        const bool layers = Bsdfs()[kind].varying == Varying::kLayers;
+        GatherWeighedSurfaces(points.surfaces, layers, rows.from + begin, count, surfaces);
         Bsdfs()[kind].weigh_cell(surfaces, points.materials, count, cells_.data(), cell, weight);
         ScaleByPick(weight, surfaces->light_norm, count, rows.light_pdf + begin);
       });

@@ -26,8 +26,11 @@ float FractionOf(GltfTextures& context, const tinygltf::Value& extension, const 
   return Fraction(context, name, GltfNumber(extension, name, otherwise));
 }
 
+constexpr const char* kAnisotropy = "KHR_materials_anisotropy";
 constexpr const char* kCoat = "KHR_materials_clearcoat";
 constexpr const char* kCoatNormals = "clearcoatNormalTexture";
+constexpr const char* kFilm = "KHR_materials_iridescence";
+constexpr const char* kSpecular = "KHR_materials_specular";
 constexpr const char* kTransmission = "KHR_materials_transmission";
 constexpr const char* kVariants = "KHR_materials_variants";
 constexpr const char* kVolume = "KHR_materials_volume";
@@ -43,9 +46,11 @@ const KnownExtension kMaterialExtensions[] = {
     {"KHR_materials_unlit"},
     // A thickness is for renderers that do not trace rays through the volume.
     {kVolume, {"thicknessTexture"}},
-    {kCoat, {"clearcoatTexture", kCoatNormals}},
-    {"KHR_materials_sheen"},
-    {"KHR_materials_specular"},
+    {kCoat, {"clearcoatTexture", "clearcoatRoughnessTexture", kCoatNormals}},
+    {"KHR_materials_sheen", {"sheenColorTexture", "sheenRoughnessTexture"}},
+    {kSpecular, {"specularTexture", "specularColorTexture"}},
+    {kAnisotropy, {"anisotropyTexture"}},
+    {kFilm, {"iridescenceTexture", "iridescenceThicknessTexture"}},
     {"KHR_materials_emissive_strength"},
     {kSpecularGlossiness, {"diffuseTexture", "specularGlossinessTexture"}},
 };
@@ -72,23 +77,73 @@ void WarnOfWhatIsLeftOut(GltfTextures& context, const tinygltf::Material& from) 
   }
 }
 
-// Returns the index whose reflectance at normal incidence is that of `ior` times `factor`.
-float ScaledIndex(float ior, double factor) {
-  const double amplitude = std::sqrt(factor) * (ior - 1) / (ior + 1);
-  return float((1 + amplitude) / (1 - amplitude));
+// Returns the texture of an extension; kAlpha reads its alpha channel.
+std::optional<std::uint32_t> TextureOf(GltfTextures& context, const tinygltf::Value& extension,
+                                       const char* name, Encoding encoding) {
+  return AddGltfTexture(context, TextureInfo(extension, name), encoding, TextureUse::kColor);
 }
 
-// A lower index stands in for a weaker specular lobe.
-void SetSpecular(GltfTextures& context, const tinygltf::Material& from, Material& material) {
-  const tinygltf::Value* const found = GltfExtension(from, "KHR_materials_specular");
-  if (found == nullptr) return;
-  const double factor = FractionOf(context, *found, "specularFactor", 1);
-  const glm::vec3 color = GltfColor(*found, "specularColorFactor", glm::vec3(1));
-  if (color.x != color.y || color.y != color.z) {
-    WarnOfMaterial(context, "specularColorFactor: its mean is used");
+// Returns a factor that an extension allows to be any number from 0 on.
+float Positive(GltfTextures& context, const tinygltf::Value& extension, const char* name,
+               double otherwise) {
+  const double value = GltfNumber(extension, name, otherwise);
+  if (value >= 0 && value <= 1e6) return float(value);
+  WarnOfMaterial(context,
+                 fmt::format("{} {} is not supported: {} is used", name, value, otherwise));
+  return float(otherwise);
+}
+
+void SetSpecular(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  material.specular = FractionOf(context, extension, "specularFactor", 1);
+  material.specular_color =
+      glm::max(GltfColor(extension, "specularColorFactor", glm::vec3(1)), glm::vec3(0));
+  material.specular_texture = TextureOf(context, extension, "specularTexture", Encoding::kAlpha);
+  material.specular_color_texture =
+      TextureOf(context, extension, "specularColorTexture", Encoding::kSrgb);
+}
+
+void SetAnisotropy(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  material.anisotropy = FractionOf(context, extension, "anisotropyStrength", 0);
+  material.anisotropy_turn = float(GltfNumber(extension, "anisotropyRotation", 0));
+  if (!(std::abs(material.anisotropy_turn) <= 1e6f)) {
+    WarnOfMaterial(context, "anisotropyRotation is not supported: 0 is used");
+    material.anisotropy_turn = 0;
   }
-  const double mean = std::clamp(double(color.x + color.y + color.z) / 3, 0.0, 1.0);
-  material.ior = ScaledIndex(material.ior, factor * mean);
+  if (!(material.anisotropy > 0)) return;
+  material.anisotropy_texture =
+      TextureOf(context, extension, "anisotropyTexture", Encoding::kLinear);
+}
+
+void SetFilm(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  const float factor = FractionOf(context, extension, "iridescenceFactor", 0);
+  if (!(factor > 0)) return;
+  const GltfShare share =
+      AddGltfShare(context, TextureInfo(extension, "iridescenceTexture"), 0, factor);
+  material.film = share.number, material.film_texture = share.texture;
+  material.film_ior = Positive(context, extension, "iridescenceIor", 1.3);
+  material.film_thin = Positive(context, extension, "iridescenceThicknessMinimum", 100);
+  material.film_thick = Positive(context, extension, "iridescenceThicknessMaximum", 400);
+  material.film_thickness_texture =
+      TextureOf(context, extension, "iridescenceThicknessTexture", Encoding::kLinear);
+}
+
+// Sets what only layered metallic-roughness has, in the part of a material that reflects. Factors
+// that change nothing leave the material as it is.
+void SetLayers(GltfTextures& context, const tinygltf::Material& from, Material& material) {
+  if (const auto* const extension = GltfExtension(from, kSpecular)) {
+    SetSpecular(context, *extension, material);
+  }
+  if (const auto* const extension = GltfExtension(from, kAnisotropy)) {
+    SetAnisotropy(context, *extension, material);
+  }
+  if (const auto* const extension = GltfExtension(from, kFilm)) {
+    SetFilm(context, *extension, material);
+  }
+  const bool reflects_alike = material.specular == 1 && material.specular_color == glm::vec3(1) &&
+                              !material.specular_texture && !material.specular_color_texture;
+  if (!reflects_alike || material.anisotropy > 0 || material.film > 0) {
+    material.bsdf = BsdfKind::kLayeredMetallicRoughness;
+  }
 }
 
 // Returns the parameters that all parts of a material share, with their textures: those of
@@ -160,17 +215,33 @@ void WarnOfCoatNormals(GltfTextures& context, const tinygltf::Material& from) {
                  "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
 }
 
-// Returns the base under its sheen and its coat. A coat that is not everywhere is a mixture, as the
-// extension's layer is linear in its strength.
+// Gives a material one more layer, of which `textures` says that it has textures that only layered
+// metallic-roughness reads.
+void AddLayer(bool textures, Material& material) {
+  if (textures || material.bsdf == BsdfKind::kLayeredMetallicRoughness) {
+    material.bsdf = BsdfKind::kLayeredMetallicRoughness;
+  } else {
+    material.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  }
+}
+
+// Returns the base with all its layers, under its sheen and its coat. A coat that is not everywhere
+// is a mixture, as the extension's layer is linear in its strength.
 Material Layered(GltfTextures& context, const tinygltf::Material& from, Material base) {
+  SetLayers(context, from, base);
   if (const auto* const sheen = GltfExtension(from, "KHR_materials_sheen")) {
     const glm::vec3 color = GltfColor(*sheen, "sheenColorFactor", glm::vec3(0));
     for (int c = 0; c < 3; ++c) base.sheen[c] = Fraction(context, "sheenColorFactor", color[c]);
     const float roughness = FractionOf(context, *sheen, "sheenRoughnessFactor", 0);
     base.sheen_alpha = roughness * roughness;
+    if (base.sheen != glm::vec3(0)) {
+      base.sheen_texture = TextureOf(context, *sheen, "sheenColorTexture", Encoding::kSrgb);
+      base.sheen_alpha_texture =
+          TextureOf(context, *sheen, "sheenRoughnessTexture", Encoding::kAlpha);
+      AddLayer(base.sheen_texture || base.sheen_alpha_texture, base);
+    }
   }
   base.coat = 0;
-  if (base.sheen != glm::vec3(0)) base.bsdf = BsdfKind::kCoatedMetallicRoughness;
   const auto* const coat = GltfExtension(from, kCoat);
   const float strength = coat == nullptr ? 0 : FractionOf(context, *coat, "clearcoatFactor", 0);
   if (!(strength > 0)) return base;
@@ -178,10 +249,14 @@ Material Layered(GltfTextures& context, const tinygltf::Material& from, Material
       AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
   WarnOfCoatNormals(context, from);
   Material coated = base;
-  coated.bsdf = BsdfKind::kCoatedMetallicRoughness;
   coated.coat = share.number;
   const float roughness = FractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
   coated.coat_alpha = roughness * roughness;
+  if (roughness > 0) {
+    coated.coat_alpha_texture =
+        TextureOf(context, *coat, "clearcoatRoughnessTexture", Encoding::kLinear);
+  }
+  AddLayer(coated.coat_alpha_texture.has_value(), coated);
   if (!share.texture) return coated;
   return Mix(context, base, Named(coated, "coated"), share);
 }
@@ -232,8 +307,14 @@ Material Transmitting(GltfTextures& context, const tinygltf::Material& from, Mat
   }
   const bool all_metal = !metal.texture && metal.number >= 1;
   if (!(glass.number > 0) || all_metal) return Layered(context, from, std::move(base));
-  if (GltfExtension(from, kCoat) != nullptr) {
-    WarnOfMaterial(context, "KHR_materials_clearcoat: what transmits is rendered without the coat");
+  constexpr std::pair<const char*, const char*> kOpaqueOnly[] = {{kCoat, "the coat"},
+                                                                 {kSpecular, "its colour"},
+                                                                 {kAnisotropy, "its grain"},
+                                                                 {kFilm, "the film"}};
+  for (const auto& [extension_name, what] : kOpaqueOnly) {
+    if (GltfExtension(from, extension_name) == nullptr) continue;
+    WarnOfMaterial(context,
+                   fmt::format("{}: what transmits is rendered without {}", extension_name, what));
   }
   Material opaque = Named(base, "opaque");
   opaque.metallic = 0;
@@ -313,7 +394,6 @@ Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
   } else if (GltfExtension(from, kTransmission) != nullptr) {
     material = Transmitting(context, from, std::move(base));
   } else {
-    SetSpecular(context, from, base);
     material = Layered(context, from, std::move(base));
   }
   material.name = from.name;
@@ -383,7 +463,8 @@ const GltfMaterial& GltfMaterials::Use(int index) {
     textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
     textures_.uv_set.reset();
     material = MakeMaterial(textures_, from);
-    used.uses_tangents = from.normalTexture.index >= 0;
+    used.uses_tangents =
+        from.normalTexture.index >= 0 || GltfExtension(from, kAnisotropy) != nullptr;
     used.uv_set = textures_.uv_set.value_or(0);
     used.opaque = from.alphaMode == "OPAQUE";
   }

@@ -8,12 +8,15 @@
 //                                    reflects once
 //   KHR_materials_volume             (with transmission, thickness above 0) a dielectric that
 //                                    absorbs by attenuationColor and attenuationDistance
-//   KHR_materials_clearcoat          a coat (kernels/bsdf/coat-inl.h), by its factors and the
-//                                    texture of its strength
-//   KHR_materials_sheen              sheen, by its factors
+//   KHR_materials_clearcoat          a coat (kernels/bsdf/coat-inl.h) with its textures, of the
+//                                    normals of the base
+//   KHR_materials_sheen              sheen with its textures
+//   KHR_materials_specular, KHR_materials_anisotropy, KHR_materials_iridescence
+//                                    those of layered metallic-roughness
+//                                    (kernels/bsdf/layered_metallic_roughness.cc), of what does not
+//                                    transmit
 //   KHR_materials_pbrSpecularGlossiness
 //                                    converted (scene/gltf/specular_glossiness.h)
-//   KHR_materials_specular           a lower index that reflects less
 //   KHR_materials_unlit              Lambert, with a warning
 //   KHR_materials_variants           the materials of the file, or of the variant that is asked for
 //   KHR_texture_transform            offset, rotation and scale
@@ -49,7 +52,7 @@ namespace skywave {
 struct GltfMaterial {
   std::uint32_t row = 0;       // in Scene::materials
   int uv_set = 0;              // of its textures
-  bool uses_tangents = false;  // it has a normal map
+  bool uses_tangents = false;  // it has a normal map or a grain
   bool opaque = true;          // its alpha counts for nothing
 };
 

@@ -80,11 +80,13 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   }
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
-    if (part == MaterialPart::kReflection) return;  // a parameter of BSDFs that list it
-    if (part == MaterialPart::kLinks) return;       // bits that the options of links set
+    // These are parameters of BSDFs that list them.
+    if (part == MaterialPart::kReflection || part == MaterialPart::kLayers) return;
+    if (part == MaterialPart::kLinks) return;  // bits that the options of links set
     const bool inside = part != MaterialPart::kAbsorption || traits.inside;
     const bool coat = part != MaterialPart::kCoatMedium || traits.tables.coat;
-    if (part != MaterialPart::kBsdf && inside && coat) fields.push_back({name, name});
+    const bool layers = part != MaterialPart::kLayerTextures || traits.varying == Varying::kLayers;
+    if (part != MaterialPart::kBsdf && inside && coat && layers) fields.push_back({name, name});
   });
   return fields;
 }

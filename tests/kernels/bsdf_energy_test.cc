@@ -178,6 +178,69 @@ TEST(BsdfEnergy, WhiteRoughPanesLoseNothing) {
   }
 }
 
+// Layers over white keep the furnace white: a weaker dielectric, a grain, and a film. What facets
+// under a film reflect depends on their own angles, and the body knows that of the surface alone:
+// up to a tenth is lost there, and more at grazing angles.
+TEST(BsdfEnergy, WhiteLayersLoseNothing) {
+  for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+    for (const float anisotropy : {0.0f, 0.4f}) {
+      for (const float film : {0.0f, 1.0f}) {
+        const Material white = {.bsdf = BsdfKind::kLayeredMetallicRoughness,
+                                .reflectance = glm::vec3(1),
+                                .alpha = 0.25f,
+                                .metallic = metallic,
+                                .coat = 0,
+                                .specular = 0.6f,
+                                .specular_color = glm::vec3(2),
+                                .anisotropy = anisotropy,
+                                .film = film,
+                                .film_ior = 1.4f,
+                                .film_thick = 600};
+        const MaterialCase packed = {"", BsdfKind::kLayeredMetallicRoughness,
+                                     PackMaterial(white, {}), false, 0.5};
+        for (const double cosine : {1.0, 0.8, 0.5, 0.3}) {
+          const auto albedo = Albedo(packed, cosine);
+          const double largest = std::max({albedo[0], albedo[1], albedo[2]});
+          EXPECT_LE(largest, 1.02) << metallic << anisotropy << film << cosine;
+          if (film > 0 && cosine < 0.5) continue;
+          EXPECT_GE(largest, film > 0 ? 0.9 : 0.98) << metallic << anisotropy << film << cosine;
+        }
+      }
+    }
+  }
+}
+
+// Without its own layers it is metallic-roughness, and coated metallic-roughness with a coat.
+TEST(BsdfEnergy, LayersThatAreNotThereChangeNothing) {
+  const Vec normal = Unit({0.3, -0.2, 0.9});
+  const Vec wo = AtAngle(normal, 0.6);
+  Random random(12);
+  std::vector<Vec> wi;
+  for (int i = 0; i < 200; ++i) wi.push_back(random.DirectionAbout(normal));
+  for (const bool coated : {false, true}) {
+    const auto value = [&](BsdfKind kind) {
+      const Material material = {.bsdf = kind,
+                                 .reflectance = {0.9f, 0.5f, 0.2f},
+                                 .alpha = 0.3f,
+                                 .metallic = 0.4f,
+                                 .coat = coated ? 0.8f : 0.0f,
+                                 .coat_alpha = 0.2f,
+                                 .sheen = glm::vec3(coated ? 0.4f : 0.0f)};
+      return ShadingRows({"", kind, PackMaterial(material, {})}, std::uint32_t(wi.size()), normal,
+                         wo)
+          .Evaluate(wi);
+    };
+    const auto layered = value(BsdfKind::kLayeredMetallicRoughness);
+    const auto plain =
+        value(coated ? BsdfKind::kCoatedMetallicRoughness : BsdfKind::kMetallicRoughness);
+    for (std::size_t i = 0; i < wi.size(); ++i) {
+      EXPECT_NEAR(layered->r[i], plain->r[i], 1e-5f * (1 + plain->r[i]));
+      EXPECT_NEAR(layered->b[i], plain->b[i], 1e-5f * (1 + plain->b[i]));
+      EXPECT_NEAR(layered->pdf[i], plain->pdf[i], 1e-5f * (1 + plain->pdf[i]));
+    }
+  }
+}
+
 TEST(BsdfEnergy, NoMaterialReflectsMoreThanItGets) {
   for (const MaterialCase& material : Materials()) {
     for (const double cosine : kCosines) {

@@ -24,8 +24,9 @@ TEST(Material, VisitsEveryMemberButTheName) {
   // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
                m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35,
-               m36, m37, m38, m39, m40] = m;
-  constexpr std::size_t kMembers = 41;
+               m36, m37, m38, m39, m40, m41, m42, m43, m44, m45, m46, m47, m48, m49, m50, m51, m52,
+               m53, m54, m55, m56] = m;
+  constexpr std::size_t kMembers = 57;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
@@ -49,6 +50,22 @@ TEST(Material, VisitsEveryMemberButTheName) {
       {"sheen", &m.sheen},
       {"sheen_alpha", &m.sheen_alpha},
       {"measured", &m.measured},
+      {"specular", &m.specular},
+      {"specular_color", &m.specular_color},
+      {"anisotropy", &m.anisotropy},
+      {"anisotropy_turn", &m.anisotropy_turn},
+      {"film", &m.film},
+      {"film_ior", &m.film_ior},
+      {"film_thin", &m.film_thin},
+      {"film_thick", &m.film_thick},
+      {"sheen_texture", &m.sheen_texture},
+      {"sheen_alpha_texture", &m.sheen_alpha_texture},
+      {"coat_alpha_texture", &m.coat_alpha_texture},
+      {"specular_texture", &m.specular_texture},
+      {"specular_color_texture", &m.specular_color_texture},
+      {"anisotropy_texture", &m.anisotropy_texture},
+      {"film_texture", &m.film_texture},
+      {"film_thickness_texture", &m.film_thickness_texture},
       {"absorption", &m.absorption},
       {"metal_of_color", &m.metal_of_color},
       {"energy_compensation", &m.energy_compensation},
@@ -102,7 +119,10 @@ TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   std::set<std::string_view> fields, names;
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
-    if (part == MaterialPart::kBsdf || part == MaterialPart::kReflection) fields.insert(name);
+    if (part == MaterialPart::kBsdf || part == MaterialPart::kReflection ||
+        part == MaterialPart::kLayers) {
+      fields.insert(name);
+    }
   });
   for (const MaterialParameter& parameter : ParametersOf(bsdf_)) {
     EXPECT_TRUE(fields.contains(parameter.field)) << parameter.field;
@@ -125,8 +145,10 @@ TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
         common || Lists(bsdf_, name) ||
         (name == "roughness_texture" &&
          (bsdf_.varying == Varying::kRoughness || bsdf_.varying == Varying::kAlpha ||
-          bsdf_.varying == Varying::kCoatWidths || bsdf_.across)) ||
+          bsdf_.varying == Varying::kLayers || bsdf_.varying == Varying::kCoatWidths ||
+          bsdf_.across)) ||
         (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
+        (part == MaterialPart::kLayerTextures && bsdf_.varying == Varying::kLayers) ||
         (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
          !bsdf_.name.starts_with("coated")) ||
         (part == MaterialPart::kSingleScattering &&

@@ -2,21 +2,28 @@
 // and tests the tables that they read.
 
 #include "kernels/surface/texture.h"
+#include "kernels/surface/layers.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
+#include <tuple>
 
 #include "base/error.h"
+#include "kernels/surface/layers.h"
 #include "scene/builtin/scene_building.h"
 #include "scene/geometry.h"
 #include "scene/materials/texture_tables.h"
 #include "scene/shapes/shapes.h"
 #include "tests/support/oracle_texture.h"
 #include "tests/support/random_rows.h"
+#include "tests/support/shading_rows.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
@@ -224,6 +231,84 @@ TEST_F(TextureRows, WidthsOfMetalsAreGreenAndThoseOfTheirCoatsRed) {
   }
 }
 
+// Every texture of the layers stands in its byte (kernels/surface/layers-inl.h); without textures
+// all of them are 1.
+TEST_F(TextureRows, LayersAreTheirBytes) {
+  const SurfaceColumns& s = surfaces_;
+  for (std::uint32_t i = 1; i <= kTextures; ++i) {
+    MaterialRecord& m = materials_[i];
+    std::uint32_t* const textures[] = {&m.sheen_texture,          &m.sheen_alpha_texture,
+                                       &m.coat_alpha_texture,     &m.specular_texture,
+                                       &m.specular_color_texture, &m.film_texture,
+                                       &m.film_thickness_texture};
+    for (std::uint32_t k = 0; k < std::size(textures); ++k) {
+      *textures[k] = (i + k) % kTextures + 1;
+    }
+  }
+  PrepareLayers(tables_.view(), materials_.data(), false, kAngle, kFullWave, s);
+  std::uint32_t compared = 0;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const float* const columns[] = {s.varying_0, s.varying_1, s.varying_2, s.varying_3};
+    const auto held = [&](std::size_t column, int byte) {
+      return (std::bit_cast<std::uint32_t>(columns[column][i]) >> (8 * byte) & 255) / 255.0;
+    };
+    const std::uint32_t material = s.material[i] & kMaterialMask;
+    bool certain = true;
+    const auto seen = [&](std::uint32_t shift) {
+      return material == 0 ? glm::dvec3(1) : Reference(i, (material + shift) % kTextures, certain);
+    };
+    const glm::dvec3 base = seen(3), sheen = glm::sqrt(seen(0)), color = glm::sqrt(seen(4));
+    // Where a column and a byte hold what.
+    const std::tuple<std::size_t, int, double> bytes[] = {
+        {0, 0, base.y},    {0, 1, base.z},    {0, 2, seen(2).y}, {0, 3, seen(1).y}, {1, 0, sheen.x},
+        {1, 1, sheen.y},   {1, 2, sheen.z},   {2, 0, color.x},   {2, 1, color.y},   {2, 2, color.z},
+        {2, 3, seen(3).y}, {3, 0, seen(5).y}, {3, 1, seen(6).y}, {3, 2, 1}};
+    if (!certain) continue;
+    ++compared;
+    for (const auto& [column, byte, value] : bytes) {
+      ASSERT_NEAR(held(column, byte), value, 0.003) << "row " << i << ", " << column << byte;
+    }
+  }
+  EXPECT_GT(compared, kFullWave / 2);
+}
+
+// The grain is the tangent, turned by the material and by the image, as seen from the side of the
+// mesh's normals.
+TEST_F(TextureRows, GrainsTurnCounterClockwise) {
+  const SurfaceColumns& s = surfaces_;
+  Image image(1, 1);
+  image.rgb = {0.5f + 0.5f * float(std::cos(0.4)), 0.5f + 0.5f * float(std::sin(0.4)), 0.6f};
+  scene_.images.push_back(image);
+  for (Texture& texture : scene_.textures) texture.image = std::uint32_t(scene_.images.size() - 1);
+  const std::vector<TriangleUvs> uvs = tables_.uvs;
+  tables_ = MakeTextureTables(scene_, "test");
+  tables_.uvs = uvs;
+  for (std::uint32_t i = 1; i <= kTextures; ++i) {
+    materials_[i].anisotropy_texture = i;
+    materials_[i].grain[0] = float(0.8 * std::cos(0.9)),
+    materials_[i].grain[1] = float(0.8 * std::sin(0.9));
+  }
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    s.varying_0[i] = float(std::cos(0.2)), s.varying_1[i] = float(std::sin(0.2));
+  }
+  PrepareLayers(tables_.view(), materials_.data(), true, kAngle, kFullWave, s);
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    if ((s.material[i] & kMaterialMask) == 0) continue;
+    const auto v1 = std::bit_cast<std::uint32_t>(s.varying_1[i]),
+               v3 = std::bit_cast<std::uint32_t>(s.varying_3[i]);
+    ASSERT_NEAR((v3 >> 16 & 255) / 255.0, 0.6, 0.003);
+    const bool back = (s.material[i] & kBackFace) != 0;
+    const std::uint32_t turn = v1 >> 24 | v3 >> 24 << 8;
+    // From behind, the tangent's angle in the frame is the opposite one.
+    const double angle = (back ? -0.2 : 0.2) + 0.4 + 0.9;
+    const double expected = HeldTurn(angle);
+    const double share =
+        (1 + std::sin(expected) / (std::fabs(std::cos(expected)) + std::fabs(std::sin(expected)))) /
+        2;
+    ASSERT_NEAR(turn / 65535.0, share, 0.003) << back;
+  }
+}
+
 TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto texture_rows = [&](std::uint32_t n) {
     const SurfaceColumns& s = surfaces_;
@@ -233,8 +318,20 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
     TextureColors(tables_.view(), materials_.data(), kAngle, n, s);
     PrepareMetallicRoughness(tables_.view(), materials_.data(), kAngle, n, s);
     std::vector<float> values;
-    for (const float* column : {s.color_r, s.color_g, s.color_b, s.varying_0, s.varying_1}) {
-      values.insert(values.end(), column, column + kFullWave);
+    const auto keep = [&](std::initializer_list<const float*> columns) {
+      for (const float* column : columns) values.insert(values.end(), column, column + kFullWave);
+    };
+    keep({s.color_r, s.color_g, s.color_b, s.varying_0, s.varying_1});
+    for (float* column : {s.varying_0, s.varying_1, s.varying_2, s.varying_3}) {
+      std::fill_n(column, kFullWave, 0.25f);
+    }
+    PrepareLayers(tables_.view(), materials_.data(), true, kAngle, n, s);
+    // Words may be those of NaN, which equal nothing.
+    for (float* column : {s.varying_0, s.varying_1, s.varying_2, s.varying_3}) {
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        const auto word = std::bit_cast<std::uint32_t>(column[i]);
+        values.push_back(float(word >> 16)), values.push_back(float(word & 0xFFFF));
+      }
     }
     return values;
   };

@@ -174,6 +174,7 @@ TEST(ControlVariate, EveryDiffusePartIsControlled) {
         material.kind == BsdfKind::kMetallicRoughness ||
         material.kind == BsdfKind::kGlossyDiffuse || material.kind == BsdfKind::kFresnelBlend ||
         material.kind == BsdfKind::kCoatedMetallicRoughness ||
+        material.kind == BsdfKind::kLayeredMetallicRoughness ||
         material.kind == BsdfKind::kCoatedDiffuse;
     EXPECT_EQ(Integral(material, table, kShading).x > 0, diffuse) << material.name;
   }

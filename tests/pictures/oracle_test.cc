@@ -152,12 +152,11 @@ TEST(OraclePictures, OtherBsdfsAgree) {
     const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
     SCOPED_TRACE(std::string(bsdf.name));
     material.coat_alpha = std::max(material.coat_alpha, 0.1f);  // narrower coats flare
-    Scene scene = bsdf.varying == Varying::kTangent
-                      ? TwoTiles(material)
-                      : TwoBalls({std::string(bsdf.name), [&](Scene& s) {
-                                    s.materials.push_back(material);
-                                    return std::uint32_t(s.materials.size() - 1);
-                                  }});
+    Scene scene = HasTangent(material) ? TwoTiles(material)
+                                       : TwoBalls({std::string(bsdf.name), [&](Scene& s) {
+                                                     s.materials.push_back(material);
+                                                     return std::uint32_t(s.materials.size() - 1);
+                                                   }});
     SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
     ExpectSame(scene, Request(Integrator::kPath, 6));
   }

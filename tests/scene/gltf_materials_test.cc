@@ -409,7 +409,7 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
   extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
   EXPECT_TRUE(Read(document).warnings.empty());
-  // A texture of its strength, here of one value, and of its roughness, which is left out.
+  // A texture of its strength, here of one value.
   extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
   EXPECT_FLOAT_EQ(Body(Read(document)).coat, 0.5f * 128 / 255);
   EXPECT_TRUE(Read(document).warnings.empty());
@@ -420,8 +420,6 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_EQ(partly.materials[Body(partly).mixture->second].coat, 1);
   const auto& shares = partly.textures.at(Body(partly).mixture_texture.value());
   EXPECT_FLOAT_EQ(partly.images[shares.image].rgb[0], 0.5f * 128 / 255);
-  extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = {{"index", 0}};
-  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatRoughnessTexture"), std::string::npos);
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
@@ -431,21 +429,91 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_EQ(velvet.coat, 0);
   EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
-  // A quarter of the reflectance at normal incidence is half of the amplitude.
-  extensions["KHR_materials_specular"] = {{"specularFactor", 0.25}};
-  const float ior = Read(document).materials[0].ior;
-  EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);
   EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
-  // A colour stands for its mean, here a half, and multiplies the factor.
-  extensions["KHR_materials_specular"] = {{"specularFactor", 0.5},
-                                          {"specularColorFactor", {0.75, 0.5, 0.25}}};
-  const Scene tinted = Read(document);
-  const float weaker = tinted.materials[0].ior;
-  EXPECT_NEAR((weaker - 1) / (weaker + 1), 0.5 * 0.2, 1e-6);
-  EXPECT_EQ(tinted.warnings.size(), 1u);
-  extensions["KHR_materials_specular"]["specularColorFactor"] = {0, 0, 1.5};
-  const float blue = Read(document).materials[0].ior;
-  EXPECT_NEAR((blue - 1) / (blue + 1), 0.5 * 0.2, 1e-6);
+}
+
+// Each layer is read with its textures, in the channels that its extension names.
+TEST_F(Gltf, LayersHaveTheirFactorsAndTextures) {
+  WritePng(folder_.Write("t.png", ""), 2, 1, {255, 128, 51, 0, 64, 204});
+  json document = Document();
+  document["images"] = {{{"uri", "t.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& extensions = document["materials"][0]["extensions"];
+  const json texture = {{"index", 0}};
+  const auto red = [](const Scene& scene, std::optional<std::uint32_t> index) {
+    return scene.images[scene.textures.at(index.value()).image].rgb[0];
+  };
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.25},
+                                          {"specularColorFactor", {0.5, 1, 2}},
+                                          {"specularTexture", texture},
+                                          {"specularColorTexture", texture}};
+  Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material shiny = Body(scene);
+  EXPECT_EQ(shiny.bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(shiny.specular, 0.25f);
+  EXPECT_EQ(shiny.specular_color, glm::vec3(0.5f, 1, 2));
+  EXPECT_EQ(red(scene, shiny.specular_texture), 1) << "a picture without alpha is opaque";
+  EXPECT_EQ(red(scene, shiny.specular_color_texture), 1);
+  EXPECT_EQ(shiny.coat, 0);
+
+  extensions = {{"KHR_materials_anisotropy",
+                 {{"anisotropyStrength", 0.5},
+                  {"anisotropyRotation", 0.75},
+                  {"anisotropyTexture", texture}}}};
+  scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(Body(scene).bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(Body(scene).anisotropy, 0.5f);
+  EXPECT_EQ(Body(scene).anisotropy_turn, 0.75f);
+  EXPECT_TRUE(Body(scene).anisotropy_texture);
+
+  extensions = {{"KHR_materials_iridescence",
+                 {{"iridescenceFactor", 0.5},
+                  {"iridescenceIor", 1.8},
+                  {"iridescenceThicknessMinimum", 200},
+                  {"iridescenceThicknessMaximum", 500},
+                  {"iridescenceTexture", texture},
+                  {"iridescenceThicknessTexture", texture}}}};
+  scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material film = Body(scene);
+  EXPECT_EQ(film.bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(film.film_ior, 1.8f);
+  EXPECT_EQ(film.film_thin, 200);
+  EXPECT_EQ(film.film_thick, 500);
+  EXPECT_EQ(red(scene, film.film_texture), 0.5f) << "times its factor";
+  EXPECT_TRUE(film.film_thickness_texture);
+
+  extensions = {{"KHR_materials_sheen",
+                 {{"sheenColorFactor", {1, 1, 1}},
+                  {"sheenRoughnessFactor", 1},
+                  {"sheenColorTexture", texture},
+                  {"sheenRoughnessTexture", texture}}},
+                {"KHR_materials_clearcoat",
+                 {{"clearcoatFactor", 1},
+                  {"clearcoatRoughnessFactor", 0.5},
+                  {"clearcoatRoughnessTexture", texture}}}};
+  scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material cloth = Body(scene);
+  EXPECT_EQ(cloth.bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_TRUE(cloth.sheen_texture && cloth.sheen_alpha_texture && cloth.coat_alpha_texture);
+  EXPECT_EQ(cloth.coat_alpha, 0.25f);
+
+  // Factors that change nothing leave the simpler material.
+  extensions = {{"KHR_materials_specular", {{"specularFactor", 1}}},
+                {"KHR_materials_iridescence", {{"iridescenceFactor", 0}}},
+                {"KHR_materials_anisotropy", {{"anisotropyTexture", texture}}}};
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kMetallicRoughness);
+  // Glass has none of these layers, which is said.
+  extensions = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                {"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}};
+  EXPECT_NE(Read(document).warnings.at(0).find("without the film"), std::string::npos);
+  extensions = {{"KHR_materials_iridescence",
+                 {{"iridescenceFactor", 1}, {"iridescenceThicknessMaximum", -5}}}};
+  EXPECT_NE(Read(document).warnings.at(0).find("iridescenceThicknessMaximum -5"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ bool Unset(std::optional<T>& field) {
 }
 
 TEST(SceneHash, DependsOnEveryFieldOfAMaterial) {
-  const Material base = MaterialOfAllParts(BsdfKind::kConductor);
+  const Material base = MaterialOfAllParts(BsdfKind::kLayeredMetallicRoughness);
   std::set<std::uint64_t> hashes = {HashOf(base)};
   Material changed = base;
   Material::ForEachField(changed, [&](std::string_view name, MaterialPart, auto& field) {

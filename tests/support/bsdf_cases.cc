@@ -13,6 +13,7 @@
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
+#include "tests/support/layered_formulas.h"
 #include "tests/support/oracle_bsdf.h"
 
 namespace skywave {
@@ -174,6 +175,30 @@ std::vector<MaterialCase> MakeDenseCases() {
   list.push_back({"Lacquer", kCoatedMetallicRoughness, CoatedVarnish(1, 0.1f, 0, 0.3f)});
   list.push_back({"Velvet", kCoatedMetallicRoughness, CoatedVarnish(0, 0.1f, 1, 0.2f)});
   list.push_back({"Both", kCoatedMetallicRoughness, CoatedVarnish(0.5f, 0.3f, 0.6f, 0.6f)});
+  const auto layered = [&](const std::string& name, const Material& material, double turn = 0,
+                           std::array<std::uint32_t, 4> layers = {~0u, ~0u, ~0u, ~0u}) {
+    list.push_back({"Layered" + name, kLayeredMetallicRoughness, PackMaterial(material, {}), false,
+                    HeldTurn(turn), layers});
+  };
+  Material paint = {.bsdf = kLayeredMetallicRoughness,
+                    .reflectance = {0.8f, 0.3f, 0.5f},
+                    .alpha = 0.2f,
+                    .metallic = 0.3f,
+                    .coat = 0,
+                    .specular = 0.7f,
+                    .specular_color = {2, 0.5f, 1}};
+  layered("Tinted", paint);
+  paint.anisotropy = 0.7f;
+  layered("Grained", paint, 0.7);
+  paint.alpha = 0.05f, paint.metallic = 1;
+  layered("GrainedMetal", paint, -2.1);
+  paint.anisotropy = 0, paint.alpha = 0.15f, paint.film = 0.8f, paint.film_thick = 450;
+  layered("Oily", paint);
+  paint.metallic = 0, paint.film = 1, paint.film_ior = 1.8f, paint.film_thick = 300;
+  layered("Soapy", paint);
+  paint.coat = 1, paint.coat_alpha = 0.3f, paint.sheen = {0.5f, 0.8f, 0.3f};
+  paint.sheen_alpha = 0.5f, paint.anisotropy = 0.5f, paint.alpha = 0.4f, paint.metallic = 0.5f;
+  layered("All", paint, 1.3, {0xB4C8A0D7, 0x00A0FF78, 0xC090FFE0, 0x00C85AB4});
   list.push_back({"CoatedGold", kCoatedConductor, RecordWithCoat(CoatedGold(0.3f, 0.05f))});
   list.push_back({"MistyGold", kCoatedConductor, RecordWithCoat(Misty(CoatedGold(0.1f, 0.2f)))});
   list.push_back({"Enamel", kCoatedDiffuse, RecordWithCoat(Lacquered(0.05f, 1.5f))});
@@ -247,6 +272,8 @@ double LobeWidth(const MaterialCase& material) {
       return std::min(m.alpha, m.k[1]);
     case BsdfKind::kCoatedConductor:
       return std::min(m.alpha, m.multiscatter[1]);
+    case BsdfKind::kLayeredMetallicRoughness:
+      return LobeWidthOfLayers(material);
     default:
       return m.alpha;
   }
@@ -301,7 +328,21 @@ std::vector<Material> BeyondTheBuiltinOnes() {
            .bsdf = BsdfKind::kFresnelBlend,
            .reflectance = {0.2f, 0.5f, 0.3f},
            .alpha = 0.2f,
-           .second_color = {0.2f, 0.1f, 0.05f}}};
+           .second_color = {0.2f, 0.1f, 0.05f}},
+          {.name = "beetle",
+           .bsdf = BsdfKind::kLayeredMetallicRoughness,
+           .reflectance = {0.2f, 0.5f, 0.3f},
+           .alpha = 0.15f,
+           .metallic = 0.4f,
+           .coat = 0.5f,
+           .coat_alpha = 0.2f,
+           .sheen = {0.3f, 0.2f, 0.1f},
+           .sheen_alpha = 0.4f,
+           .specular = 0.8f,
+           .specular_color = {1.5f, 1, 0.5f},
+           .anisotropy = 0.6f,
+           .film = 0.7f,
+           .film_thick = 350}};
 }
 
 Material RoughGlass(float alpha, float ior) {

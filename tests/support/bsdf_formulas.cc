@@ -13,6 +13,7 @@
 #include "kernels/bsdf/material.h"
 #include "tests/support/facet_formulas.h"
 #include "tests/support/glossy_formulas.h"
+#include "tests/support/layered_formulas.h"
 #include "tests/support/oracle_bsdf.h"
 
 namespace skywave {
@@ -144,7 +145,8 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   return out;
 }
 
-// Interpolates the tables of conductor_tables.h bilinearly in the square roots.
+}  // namespace
+
 double TableAt(const float* table, double alpha, double cosine) {
   const double r = std::sqrt(alpha) * (kAlbedoRows - 1);
   const double c = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
@@ -157,6 +159,8 @@ double TableAt(const float* table, double alpha, double cosine) {
   const double below = std::lerp(at(row + 1, column), at(row + 1, column + 1), c - double(column));
   return std::lerp(above, below, r - double(row));
 }
+
+namespace {
 
 // A conductor's lobe that reflects by glass's Fresnel, and one that is mirrored to the other side;
 // and what both lose, of which diffuse light's share goes through (Kulla and Conty 2017).
@@ -185,7 +189,8 @@ FormulaValue RoughThinDielectricFormula(const MaterialRecord& m, Vec wo, Vec wi)
   return out;
 }
 
-// Interpolates the tables of kernels/bsdf/conductor_tables.h for two widths.
+}  // namespace
+
 double AnisotropicAlbedoAt(double along, double across, Vec w) {
   const AnisotropicTables& tables = GetAnisotropicTables();
   const double places[4] = {
@@ -208,6 +213,8 @@ double AnisotropicAlbedoAt(double along, double across, Vec w) {
   }
   return sum;
 }
+
+namespace {
 
 FormulaValue ConductorFormula(const MaterialCase& material, Vec wo, Vec wi) {
   const MaterialRecord& m = material.record;
@@ -417,6 +424,11 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
       return CoatFormula(
           SheenFormula(BaseFormula(BsdfKind::kMetallicRoughness, m, wo, wi), m, wo, wi), m.k[0],
           m.k[1], 0.04, wo, wi);
+    case BsdfKind::kLayeredMetallicRoughness: {
+      const MaterialRecord here = LayersAtHit(material);
+      return CoatFormula(SheenFormula(LayeredBaseFormula(material, wo, wi), here, wo, wi),
+                         here.k[0], here.k[1], 0.04, wo, wi);
+    }
     case BsdfKind::kCoatedConductor:
     case BsdfKind::kCoatedDiffuse:
       return TabledCoatFormula(material, wo, wi);

@@ -14,6 +14,11 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
+// These interpolate the tables of kernels/bsdf/conductor_tables.h: for one width, bilinearly in the
+// square roots, and for two.
+double TableAt(const float* table, double alpha, double cosine);
+double AnisotropicAlbedoAt(double along, double across, Vec w);
+
 // Returns the share of light that white GGX facets scatter more than once, by the tables of the
 // kernels.
 double LostByGgx(double alpha, double cosine);

@@ -1,6 +1,7 @@
 // Surfaces and materials for tests of BSDFs.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <complex>
@@ -21,6 +22,8 @@ struct MaterialCase {
   MaterialRecord record;
   bool back = false;  // seen from the side opposite to the mesh's normals
   double turn = 0;    // from the frame's first axis to the tangent [rad]
+  // Of Varying::kLayers; the bytes of the turn are added.
+  std::array<std::uint32_t, 4> layers = {~0u, ~0u, ~0u, ~0u};
 };
 
 // Returns the case of the other side of the surface. The frames of a normal and of its opposite
@@ -85,7 +88,8 @@ struct ShadingRows {
         records{MaterialRecord{}, material.record},
         surfaces(rows),
         back(material.back),
-        turn(material.turn) {
+        turn(material.turn),
+        layers(material.layers) {
     if (material.kind == BsdfKind::kMeasured) measured = MeasuredForTests();
     for (std::uint32_t i = 0; i < rows; ++i) Set(i, normal, normal, wo);
   }
@@ -106,7 +110,19 @@ struct ShadingRows {
     s.varying_0[i] = tangent ? float(std::cos(turn)) : records[1].alpha;
     s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
     if (kernels.varying == Varying::kCoatWidths) s.varying_1[i] = records[1].multiscatter[1];
-    if (across > 0) s.varying_1[i] = FacetTurnOf(back ? -turn : turn, across);
+    const float word = FacetTurnOf(back ? -turn : turn, across);
+    if (across > 0) s.varying_1[i] = word;
+    if (kernels.varying == Varying::kLayers) SetLayers(i, std::bit_cast<std::uint32_t>(word));
+  }
+  void SetLayers(std::uint32_t i, std::uint32_t turn_word) {
+    const SurfaceColumns& s = surfaces;
+    const auto column = [&](std::size_t k, std::uint32_t byte) {
+      return std::bit_cast<float>((layers[k] & 0xFFFFFF) | byte << 24);
+    };
+    s.varying_0[i] = std::bit_cast<float>(layers[0]);
+    s.varying_1[i] = column(1, turn_word & 255);
+    s.varying_2[i] = std::bit_cast<float>(layers[2]);
+    s.varying_3[i] = column(3, turn_word >> 8 & 255);
   }
   MaterialView materials() const {
     MaterialView view = {records.data(), &GgxTables(), &GetSheenTables(), measured,
@@ -134,6 +150,7 @@ struct ShadingRows {
   soa::Table<SurfaceColumns> surfaces;
   bool back;
   double turn;
+  std::array<std::uint32_t, 4> layers;
   const float* measured = nullptr;
 };
 

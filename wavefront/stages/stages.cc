@@ -9,6 +9,7 @@
 #include "kernels/lights/environment.h"
 #include "kernels/partition.h"
 #include "kernels/sampler.h"
+#include "kernels/surface/layers.h"
 #include "kernels/surface/surface.h"
 #include "kernels/surface/texture.h"
 
@@ -172,6 +173,14 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
       case Varying::kSecondColor:
         if (view.varied) PrepareSecondColor(textures, materials, angle, n, rows);
         break;
+      case Varying::kLayers: {
+        const std::uint32_t* const tangents = frame.geometry->tangents();
+        if (tangents != nullptr) {
+          PrepareTangents(tangents, frame.geometry->instances(), n, rows);
+        }
+        PrepareLayers(textures, materials, tangents != nullptr, angle, n, rows);
+        break;
+      }
       case Varying::kTangent:
         PrepareTangents(frame.geometry->tangents(), frame.geometry->instances(), n, rows);
         if (view.varied && bsdf.across) {

@@ -1,0 +1,16 @@
+// The textures of layered metallic-roughness at a hit.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+#include "kernels/surface/texture.h"
+
+namespace skywave {
+
+// Writes Varying::kLayers of rows [0, n). With `tangents`, PrepareTangents has written these rows
+// before; without, no material has a grain. `textures` may be empty.
+void PrepareLayers(const TextureView& textures, const MaterialRecord* materials, bool tangents,
+                   float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
+
+}  // namespace skywave
