@@ -32,6 +32,7 @@ constexpr const char* kCoatNormals = "clearcoatNormalTexture";
 constexpr const char* kFilm = "KHR_materials_iridescence";
 constexpr const char* kSpecular = "KHR_materials_specular";
 constexpr const char* kTransmission = "KHR_materials_transmission";
+constexpr const char* kUnlit = "KHR_materials_unlit";
 constexpr const char* kVariants = "KHR_materials_variants";
 constexpr const char* kVolume = "KHR_materials_volume";
 
@@ -43,7 +44,7 @@ struct KnownExtension {
 const KnownExtension kMaterialExtensions[] = {
     {"KHR_materials_ior"},
     {kTransmission, {"transmissionTexture"}},
-    {"KHR_materials_unlit"},
+    {kUnlit},
     // A thickness is for renderers that do not trace rays through the volume.
     {kVolume, {"thicknessTexture"}},
     {kCoat, {"clearcoatTexture", "clearcoatRoughnessTexture", kCoatNormals}},
@@ -381,16 +382,32 @@ void SetEmission(GltfTextures& context, const tinygltf::Material& from, Material
                                              Encoding::kSrgb, TextureUse::kColor);
 }
 
-Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
+bool IsUnlit(const tinygltf::Material& material) {
+  return GltfExtension(material, kUnlit) != nullptr;
+}
+
+// Returns the material that looks the same in any light: black, and of the radiance of its base
+// colour. Radiance has no colours of vertices; a mesh that has some is lit as Lambert.
+Material Unlit(GltfTextures& context, const tinygltf::Material& from, const Material& base,
+               bool tinted) {
+  Material material = {.name = base.name, .bsdf = BsdfKind::kLambert};
+  if (tinted) {
+    WarnOfMaterial(context, "unlit with colours of vertices: rendered as Lambert");
+    material.reflectance = base.reflectance, material.color_texture = base.color_texture;
+    return material;
+  }
+  material.reflectance = glm::vec3(0);
+  material.emission = base.reflectance, material.emission_texture = base.color_texture;
+  material.emits_on_both_sides = from.doubleSided;
+  return material;
+}
+
+Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from, bool tinted) {
   WarnOfWhatIsLeftOut(context, from);
   Material base = BaseOf(context, from);
   Material material;
-  if (GltfExtension(from, "KHR_materials_unlit") != nullptr) {
-    WarnOfMaterial(context, "unlit materials are rendered as Lambert");
-    material = std::move(base);
-    material.bsdf = BsdfKind::kLambert;
-    material.roughness_texture.reset();
-    material.normal_texture.reset();
+  if (IsUnlit(from)) {
+    material = Unlit(context, from, base, tinted);
   } else if (GltfExtension(from, kTransmission) != nullptr) {
     material = Transmitting(context, from, std::move(base));
   } else {
@@ -400,7 +417,7 @@ Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from) {
   // What transmits is seen from inside, too.
   material.one_sided = !from.doubleSided && GltfExtension(from, kTransmission) == nullptr;
   SetOpacity(context, from, material);
-  SetEmission(context, from, material);
+  if (!IsUnlit(from)) SetEmission(context, from, material);
   return material;
 }
 
@@ -423,10 +440,10 @@ GltfMaterials::GltfMaterials(const tinygltf::Model& model, const std::string& pa
                              Warnings& warnings)
     : textures_{model, path, scene, warnings} {}
 
-const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
+int GltfMaterials::IndexOf(const tinygltf::Primitive& primitive) const {
   const auto found = primitive.extensions.find(kVariants);
   if (variant_ < 0 || found == primitive.extensions.end() || !found->second.Has("mappings")) {
-    return Use(primitive.material);
+    return primitive.material;
   }
   const tinygltf::Value& mappings = found->second.Get("mappings");
   for (std::size_t i = 0; i < mappings.ArrayLen(); ++i) {
@@ -435,21 +452,24 @@ const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
     const tinygltf::Value& variants = mapping.Get("variants");
     for (std::size_t v = 0; v < variants.ArrayLen(); ++v) {
       if (variants.Get(int(v)).GetNumberAsInt() == variant_) {
-        return Use(int(GltfNumber(mapping, "material", -1)));
+        return int(GltfNumber(mapping, "material", -1));
       }
     }
   }
-  return Use(primitive.material);
+  return primitive.material;
 }
 
-const GltfMaterial& GltfMaterials::Use(int index) {
-  const auto [known, is_new] = used_.try_emplace(std::max(index, -1));
-  if (!is_new) return known->second;
+const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
+  const int index = IndexOf(primitive);
   const std::vector<tinygltf::Material>& materials = textures_.model.materials;
   if (index >= int(materials.size())) {
     throw InputError(InputPosition::File(textures_.path),
                      fmt::format("there is no material {}", index));
   }
+  const bool tinted = index >= 0 && IsUnlit(materials[std::size_t(index)]) &&
+                      primitive.attributes.contains("COLOR_0");
+  const auto [known, is_new] = used_.try_emplace({std::max(index, -1), tinted});
+  if (!is_new) return known->second;
   // Primitives without a material get all defaults of the schema.
   Material material = {.name = "default",
                        .bsdf = BsdfKind::kMetallicRoughness,
@@ -462,7 +482,7 @@ const GltfMaterial& GltfMaterials::Use(int index) {
     const tinygltf::Material& from = materials[std::size_t(index)];
     textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
     textures_.uv_set.reset();
-    material = MakeMaterial(textures_, from);
+    material = MakeMaterial(textures_, from, tinted);
     used.uses_tangents =
         from.normalTexture.index >= 0 || GltfExtension(from, kAnisotropy) != nullptr;
     used.uv_set = textures_.uv_set.value_or(0);

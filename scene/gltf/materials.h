@@ -17,7 +17,8 @@
 //                                    transmit
 //   KHR_materials_pbrSpecularGlossiness
 //                                    converted (scene/gltf/specular_glossiness.h)
-//   KHR_materials_unlit              Lambert, with a warning
+//   KHR_materials_unlit              black, of the radiance of its base colour; with colours of
+//                                    vertices Lambert, with a warning
 //   KHR_materials_variants           the materials of the file, or of the variant that is asked for
 //   KHR_texture_transform            offset, rotation and scale
 //   alphaMode MASK, BLEND            alpha: a cutoff, or the fraction of rays that is stopped
@@ -40,6 +41,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/gltf/textures.h"
@@ -66,16 +68,17 @@ class GltfMaterials {
 
   // Takes the materials of a variant (KHR_materials_variants) from here on; -1: those of the file.
   void ChooseVariant(int variant) { variant_ = variant; }
-  // Returns the material of a primitive.
+  // Returns the material of a primitive. Throws InputError(path) where the file has none of its
+  // index.
   const GltfMaterial& Of(const tinygltf::Primitive& primitive);
 
  private:
-  // Returns a material by its index in the file, or that of primitives which name none (-1). Throws
-  // InputError(path).
-  const GltfMaterial& Use(int index);
+  // Returns the index of a primitive's material in the file; below 0, it names none.
+  int IndexOf(const tinygltf::Primitive& primitive) const;
 
   GltfTextures textures_;
-  std::map<int, GltfMaterial> used_;
+  // By the index in the file, and whether the primitive of an unlit one has colours of vertices.
+  std::map<std::pair<int, bool>, GltfMaterial> used_;
   int variant_ = -1;
 };
 

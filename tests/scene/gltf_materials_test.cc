@@ -432,6 +432,36 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
 }
 
+// An unlit surface has the radiance of its base colour and reflects nothing; radiance has no
+// colours of vertices, so with these it is lit, which is said.
+TEST_F(Gltf, UnlitMaterialsShineInTheirBaseColour) {
+  WritePng(folder_.Write("t.png", ""), 1, 1, {255, 128, 51});
+  json document = Document();
+  document["images"] = {{{"uri", "t.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["extensions"] = {{"KHR_materials_unlit", json::object()}};
+  material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+                                      {"baseColorTexture", {{"index", 0}}}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["doubleSided"] = true;
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(Body(scene).reflectance, glm::vec3(0));
+  EXPECT_EQ(Body(scene).emission, glm::vec3(0.5f, 0.25f, 1)) << "not that of what is lit";
+  EXPECT_TRUE(Body(scene).emission_texture);
+  EXPECT_TRUE(Body(scene).emits_on_both_sides);
+  json& primitives = document["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["attributes"]["COLOR_0"] = primitives[1]["attributes"]["POSITION"];
+  const Scene both = Read(document);
+  EXPECT_EQ(both.materials[both.meshes.front().material].reflectance, glm::vec3(0));
+  const Material& tinted = both.materials[both.meshes.back().material];
+  EXPECT_EQ(tinted.reflectance, glm::vec3(0.5f, 0.25f, 1));
+  EXPECT_EQ(tinted.emission, glm::vec3(0));
+  EXPECT_NE(both.warnings.at(0).find("unlit with colours of vertices"), std::string::npos);
+}
+
 // Each layer is read with its textures, in the channels that its extension names.
 TEST_F(Gltf, LayersHaveTheirFactorsAndTextures) {
   WritePng(folder_.Write("t.png", ""), 2, 1, {255, 128, 51, 0, 64, 204});
