@@ -305,6 +305,11 @@ enum class MaterialField : std::uint32_t {
   kAlphaAcross = kIor,  // anisotropic BSDFs: width across the tangent; alpha is that along it
   kMetallic = kEta,     // metallic-roughness: share of metal
   kSecondTexture = kRoughnessTexture,  // that of the second colour
+  // Metallic-roughness under a coat and sheen.
+  kClearCoat = SKYWAVE_WORD(MaterialRecord, k[0]),
+  kClearCoatAlpha = SKYWAVE_WORD(MaterialRecord, k[1]),
+  kSheenAlpha = SKYWAVE_WORD(MaterialRecord, k[2]),
+  kSheen = SKYWAVE_WORD(MaterialRecord, multiscatter),
   // BSDFs with a table of their coat (kernels/bsdf/coat_tables.h): its index, its width, and
   // whether its medium makes it coloured.
   kCoatTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),

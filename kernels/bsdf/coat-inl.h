@@ -51,8 +51,7 @@ struct Coated {
     return parameters.strength * albedo;
   }
   HWY_INLINE VF Reflectance(const V3& wo, const V3& h) const {
-    const VF one = Set(1.0f), away = one - Clamp(Dot(wo, h), 0.0f, 1.0f);
-    const VF away2 = away * away, away5 = away2 * away2 * away;
+    const VF one = Set(1.0f), away5 = Power5(one - Clamp(Dot(wo, h), 0.0f, 1.0f));
     const VF fresnel = parameters.f0 + away5 * (one - parameters.f0);
     return parameters.strength * fresnel;
   }

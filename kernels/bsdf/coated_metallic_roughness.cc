@@ -15,28 +15,22 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct ClothSheen {
-  static constexpr MaterialField kColor = kMultiscatter;
-  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[2]));
-
   HWY_INLINE ClothSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                         std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
-        color(Field3(m, fields, kColor)),
-        alpha(Clamp(Field(m, fields, kAlpha), kMinSheenAlpha, 1.0f)) {}
+        color(Field3(m, fields, kSheen)),
+        alpha(Clamp(Field(m, fields, kSheenAlpha), kMinSheenAlpha, 1.0f)) {}
   VU fields;
   V3 color;
   VF alpha;
 };
 
 struct ClearCoat {
-  static constexpr auto kStrength = MaterialField(SKYWAVE_WORD(MaterialRecord, k[0]));
-  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[1]));
-
   HWY_INLINE ClearCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                        std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
-        strength(Field(m, fields, kStrength)),
-        alpha(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)),
+        strength(Field(m, fields, kClearCoat)),
+        alpha(Clamp(Field(m, fields, kClearCoatAlpha), 1e-3f, 1.0f)),
         f0(Set(0.04f)) {}
   VU fields;
   VF strength, alpha, f0;
@@ -60,14 +54,7 @@ inline constexpr BsdfTraits CoatedMetallicRoughnessTraits = {
     .tables = {.ggx = true, .sheen = true},
     .parameters =
         {{"alpha"}, {"metallic"}, {"ior"}, {"coat"}, {"coat_alpha"}, {"sheen"}, {"sheen_alpha"}},
-    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      using HWY_NAMESPACE::ClearCoat, HWY_NAMESPACE::ClothSheen;
-      PackMetallicRoughness(m, r);
-      PutField(r, ClearCoat::kStrength, m.coat);
-      PutField(r, ClearCoat::kAlpha, MicrofacetWidth(m.coat_alpha));
-      PutField(r, ClothSheen::kColor, m.sheen);
-      PutField(r, ClothSheen::kAlpha, MicrofacetWidth(m.sheen_alpha));
-    }};
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackCoatAndSheen(m, r); }};
 SKYWAVE_BSDF_TABLE(CoatedMetallicRoughness)
 
 }  // namespace skywave

@@ -121,6 +121,14 @@ HWY_INLINE void MetalOfColor(V3& color, V3& eta, V3& k) {
   color = IfThen(lanes, {one, one, one}, color);
 }
 
+// Returns `factor` times the series of further reflections between facets, of which each reflects
+// `f` on average and sends the share `lost` to another one (ConductorMultiscatter).
+HWY_INLINE V3 ReflectedAgain(const V3& f, VF lost, VF factor) {
+  const VF one = Set(1.0f);
+  const auto further = [&](VF c) HWY_ATTR { return factor * (c * c / (one - c * lost)); };
+  return {further(f.x), further(f.y), further(f.z)};
+}
+
 // Returns the factor of ConductorMultiscatter (conductor_tables.h) for facets whose single
 // scattering has the albedo `mean`. The mean Fresnel reflectance is summed at four points of Gauss
 // and Legendre, for cosines from 0 to 1.
@@ -133,9 +141,7 @@ HWY_INLINE V3 Multiscatter(VF mean, const V3& eta, const V3& k) {
   }
   const VF one = Set(1.0f);
   const VF lost = hn::Max(one - mean, Set(1e-6f));
-  const VF factor = mean * kInvPi / lost;
-  const auto further = [&](VF c) HWY_ATTR { return factor * (c * c / (one - c * lost)); };
-  return {further(f.x), further(f.y), further(f.z)};
+  return ReflectedAgain(f, lost, mean * kInvPi / lost);
 }
 
 // Returns the lanes whose material returns what its facets reflect more than once: the first factor

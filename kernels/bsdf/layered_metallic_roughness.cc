@@ -60,14 +60,10 @@ struct LayeredBase {
         metallic(Clamp(Field(m, fields, kMetallic) * Share<1>(Load(s.varying_0 + i)), 0.0f, 1.0f)),
         grain(s, m, fields, WidthOf(s, m, i), i, n),
         ggx(hn::Sqrt(grain.facets.x * grain.facets.y)),
-        albedo(m.anisotropic, grain.facets.x, grain.facets.y),
         tables(*m.conductor),
         film(Field(m, fields, kFilm) * Share<0>(Load(s.varying_3 + i))),
         any_film(!hn::AllFalse(
-            F(), hn::And(hn::Gt(film, hn::Zero(F())), hn::RebindMask(F(), RowsBelow(i, n))))),
-        layer(Field(m, fields, kFilmIor), Thickness(s, m, i)),
-        filmed_coat(layer, color),
-        filmed_metal(layer, color) {
+            F(), hn::And(hn::Gt(film, hn::Zero(F())), hn::RebindMask(F(), RowsBelow(i, n))))) {
     const VF one = Set(1.0f), body = one - metallic;
     const VF ior = Field(m, fields, kIor), amplitude = (ior - one) / (ior + one);
     const VF specular = Field(m, fields, kSpecular) * Share<3>(Load(s.varying_2 + i));
@@ -80,7 +76,13 @@ struct LayeredBase {
     f0 = color * metallic + coat * body;
     f90 = metallic + specular * body;
 
-    if (any_film) filmed_coat = FilmedSurface(layer, coat);
+    if (any_film) {
+      layer = ThinFilm(Field(m, fields, kFilmIor), Thickness(s, m, i));
+      filmed_coat = FilmedSurface(layer, coat), filmed_metal = FilmedSurface(layer, color);
+    }
+    if (grain.any_grained) {
+      albedo = AnisotropicAlbedo(m.anisotropic, grain.facets.x, grain.facets.y);
+    }
     VF mean = ggx.Mean(tables.padded_mean_albedo);
     const VF grazing = ggx.Mean(tables.mean_grazing);
     if (grain.any_grained) mean = IfThen(grain.grained, albedo.Mean(), mean);
@@ -103,14 +105,8 @@ struct LayeredBase {
     }
     diffuse = color * (body * kInvPi / hn::Max(one - mirrored, Set(1e-6f)));
 
-    // This is ConductorMultiscatter.
     const VF lost = hn::Max(one - mean, Set(1e-6f));
-    const VF factor = metallic * mean * kInvPi / lost;
-    const auto further = [&](VF c) HWY_ATTR {
-      const VF series = one - c * lost;
-      return factor * (c * c / hn::Max(series, Set(1e-6f)));
-    };
-    multiscatter = {further(f.x), further(f.y), further(f.z)};
+    multiscatter = ReflectedAgain(f, lost, metallic * mean * kInvPi / lost);
   }
 
   HWY_INLINE VF WidthOf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i) const {
@@ -156,7 +152,7 @@ struct LayeredBase {
   }
 
   HWY_INLINE V3 Fresnel(VF cosine) const {
-    const VF away5 = ThinFilm::Power5(1.0f - cosine);
+    const VF away5 = Power5(1.0f - cosine);
     const V3 plain = f0 * (1.0f - away5) + Grey(f90 * away5);
     if (!any_film) return plain;
     const ThinFilm::Crossing at = layer.At(cosine);
@@ -206,8 +202,8 @@ struct LayeredBase {
   V3 color;
   VF metallic;
   GrainedFacets grain;
-  Ggx ggx;  // of the mean width of facets of two
-  AnisotropicAlbedo albedo;
+  Ggx ggx;                   // of the mean width of facets of two
+  AnisotropicAlbedo albedo;  // only if grain.any_grained
   const ConductorTables& tables;
   VF film;  // share of the surface that has one
   bool any_film;
@@ -219,15 +215,12 @@ struct LayeredBase {
 };
 
 struct TexturedSheen {
-  static constexpr MaterialField kColor = kMultiscatter;
-  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[2]));
-
   HWY_INLINE TexturedSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                            std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
-        color(Field3(m, fields, kColor) * ColorOfRoots(Load(s.varying_1 + i))) {
+        color(Field3(m, fields, kSheen) * ColorOfRoots(Load(s.varying_1 + i))) {
     const VF roughness = Share<3>(Load(s.varying_0 + i));
-    alpha = Clamp(Field(m, fields, kAlpha) * (roughness * roughness), kMinSheenAlpha, 1.0f);
+    alpha = Clamp(Field(m, fields, kSheenAlpha) * (roughness * roughness), kMinSheenAlpha, 1.0f);
   }
   VU fields;
   V3 color;
@@ -235,14 +228,11 @@ struct TexturedSheen {
 };
 
 struct TexturedCoat {
-  static constexpr auto kStrength = MaterialField(SKYWAVE_WORD(MaterialRecord, k[0]));
-  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[1]));
-
   HWY_INLINE TexturedCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                           std::uint32_t n)
-      : fields(MaterialFields(s, i, n)), strength(Field(m, fields, kStrength)), f0(Set(0.04f)) {
+      : fields(MaterialFields(s, i, n)), strength(Field(m, fields, kClearCoat)), f0(Set(0.04f)) {
     const VF roughness = Share<2>(Load(s.varying_0 + i));
-    alpha = Clamp(Field(m, fields, kAlpha) * (roughness * roughness), 1e-3f, 1.0f);
+    alpha = Clamp(Field(m, fields, kClearCoatAlpha) * (roughness * roughness), 1e-3f, 1.0f);
   }
   VU fields;
   VF strength, alpha, f0;
@@ -261,13 +251,8 @@ namespace skywave {
 namespace {
 
 void PackLayers(const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-  using HWY_NAMESPACE::TexturedCoat, HWY_NAMESPACE::TexturedSheen;
   using enum MaterialField;
-  PackMetallicRoughness(m, r);
-  PutField(r, TexturedCoat::kStrength, m.coat);
-  PutField(r, TexturedCoat::kAlpha, MicrofacetWidth(m.coat_alpha));
-  PutField(r, TexturedSheen::kColor, m.sheen);
-  PutField(r, TexturedSheen::kAlpha, MicrofacetWidth(m.sheen_alpha));
+  PackCoatAndSheen(m, r);
   PutField(r, kSpecular, m.specular);
   PutField(r, kSpecularColor, m.specular_color);
   r.grain[0] = m.anisotropy * std::cos(m.anisotropy_turn);

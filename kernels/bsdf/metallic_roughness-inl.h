@@ -42,15 +42,10 @@ struct MetallicRoughness {
     const VF through = one - Mix(grazing, mean, coat);
     diffuse = color * (body * kInvPi / hn::Max(through, Set(1e-6f)));
 
-    // This is ConductorMultiscatter; the mean of Schlick's formula is F0 + (1 - F0) / 21.
+    // The mean of Schlick's formula is F0 + (1 - F0) / 21.
     const VF lost = hn::Max(one - mean, Set(1e-6f));
     const V3 f = color * (20.0f / 21) + Splat(Set(1.0f / 21));
-    const VF factor = metallic * mean * kInvPi / lost;
-    const auto further = [&](VF c) HWY_ATTR {
-      const VF series = one - c * lost;
-      return factor * (c * c / hn::Max(series, Set(1e-6f)));
-    };
-    multiscatter = {further(f.x), further(f.y), further(f.z)};
+    multiscatter = ReflectedAgain(f, lost, metallic * mean * kInvPi / lost);
   }
 
   static HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
@@ -88,8 +83,7 @@ struct MetallicRoughness {
   }
 
   HWY_INLINE V3 Fresnel(VF cosine) const {
-    const VF one = Set(1.0f), away = one - cosine, away2 = away * away;
-    const VF away5 = away2 * away2 * away;
+    const VF one = Set(1.0f), away5 = Power5(one - cosine);
     return {Mix(away5, one, f0.x), Mix(away5, one, f0.y), Mix(away5, one, f0.z)};
   }
 

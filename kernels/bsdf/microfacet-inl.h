@@ -152,6 +152,7 @@ struct Beckmann {
 struct AnisotropicAlbedo {
   static HWY_INLINE VF Between(VF low, VF high, VF share) { return low + share * (high - low); }
 
+  AnisotropicAlbedo() = default;
   HWY_INLINE AnisotropicAlbedo(const AnisotropicTables* from, VF x, VF y)
       : tables(from),
         along(PlaceOf(hn::Sqrt(Clamp(x, 0.0f, 1.0f)), kTabledWidths)),

@@ -96,6 +96,14 @@ void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
   PutField(record, MaterialField::kIor, material.ior);
 }
 
+void PackCoatAndSheen(const Material& material, MaterialRecord& record) {
+  PackMetallicRoughness(material, record);
+  PutField(record, MaterialField::kClearCoat, material.coat);
+  PutField(record, MaterialField::kClearCoatAlpha, MicrofacetWidth(material.coat_alpha));
+  PutField(record, MaterialField::kSheen, material.sheen);
+  PutField(record, MaterialField::kSheenAlpha, MicrofacetWidth(material.sheen_alpha));
+}
+
 bool HasTangent(const Material& material) {
   const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
   return bsdf.varying == Varying::kTangent || (bsdf.two_widths && material.alpha_across) ||

@@ -37,8 +37,10 @@ void PackWidths(const Material& material, MaterialRecord& record);
 void PackSecondColor(const Material& material, MaterialField field, MaterialRecord& record);
 // alpha and the second colour of a body and a gloss;
 void PackBodyAndGloss(const Material& material, MaterialRecord& record);
-// alpha, its texture, metallic and ior of metallic-roughness.
+// alpha, its texture, metallic and ior of metallic-roughness;
 void PackMetallicRoughness(const Material& material, MaterialRecord& record);
+// these and what lies over it: coat and sheen.
+void PackCoatAndSheen(const Material& material, MaterialRecord& record);
 
 // Returns the record of `material`: the fields that all BSDFs have and those that its own BSDF
 // packs. Materials name the tables `measured` by their index.

@@ -53,6 +53,7 @@ HWY_INLINE V3 ColorOfPath(VF path) {
 
 // A film of some index and thickness [nm], with air above it.
 struct ThinFilm {
+  ThinFilm() = default;
   HWY_INLINE ThinFilm(VF index, VF nanometres) : thickness(hn::Max(nanometres, hn::Zero(F()))) {
     const VF one = Set(1.0f);
     // A film thinner than 0.03 nm ceases to be one.
@@ -65,10 +66,6 @@ struct ThinFilm {
   static HWY_INLINE VF AtNormal(VF a, VF b) {
     const VF amplitude = (a - b) / (a + b);
     return amplitude * amplitude;
-  }
-  static HWY_INLINE VF Power5(VF x) {
-    const VF x2 = x * x;
-    return x2 * x2 * x;
   }
 
   // What the film does to light at one angle of incidence, whatever is below.
@@ -90,6 +87,7 @@ struct ThinFilm {
 
 // A surface under a film that reflects `f0` without it.
 struct FilmedSurface {
+  FilmedSurface() = default;
   HWY_INLINE FilmedSurface(const ThinFilm& film, const V3& f0) {
     const VF one = Set(1.0f);
     const auto below = [&](VF f, VF& reflectance, VF& turned) HWY_ATTR {

@@ -24,6 +24,11 @@ HWY_INLINE VF Polynomial(VF x, const float (&c)[N]) {
   return sum;
 }
 
+HWY_INLINE VF Power5(VF x) {
+  const VF x2 = x * x;
+  return x2 * x2 * x;
+}
+
 // Computes sin and cos of 2 pi t for t in [0, 1]: the turn is split exactly into quarters, and the
 // rest is a Taylor polynomial in [-pi/4, pi/4]. The error is below 2e-7.
 HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {

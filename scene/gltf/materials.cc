@@ -97,7 +97,7 @@ float Positive(GltfTextures& context, const tinygltf::Value& extension, const ch
 void SetSpecular(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
   material.specular = FractionOf(context, extension, "specularFactor", 1);
   material.specular_color =
-      glm::max(GltfColor(extension, "specularColorFactor", glm::vec3(1)), glm::vec3(0));
+      glm::clamp(GltfColor(extension, "specularColorFactor", glm::vec3(1)), 0.0f, 1e6f);
   material.specular_texture = TextureOf(context, extension, "specularTexture", Encoding::kAlpha);
   material.specular_color_texture =
       TextureOf(context, extension, "specularColorTexture", Encoding::kSrgb);
