@@ -50,8 +50,9 @@ class Page(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
         self.put("Plain/glTF/Plain.gltf", json.dumps(triangle({})))
         self.put("Plain/glTF-Embedded/Plain.gltf", "not the form that is rendered")
-        self.put("Unlit/glTF/Unlit.gltf",
-                 json.dumps(triangle({"name": "a<b|c", "extensions": {"KHR_materials_unlit": {}}})))
+        extensions = {"KHR_materials_dispersion": {}}
+        self.put("Prism/glTF/Prism.gltf",
+                 json.dumps(triangle({"name": "a<b|c", "extensions": extensions})))
         self.put("Broken/glTF/Broken.gltf", "{")
         self.env = self.folder / "white.pfm"
         self.env.write_bytes(b"PF\n2 1\n-1\n" + struct.pack("<6f", *[1] * 6))
@@ -65,7 +66,7 @@ class Page(unittest.TestCase):
 
     def test_assets_are_found_once(self):
         assets = fidelity.find_assets(self.folder)
-        self.assertEqual([asset.name for asset in assets], ["Broken", "Plain", "Unlit"])
+        self.assertEqual([asset.name for asset in assets], ["Broken", "Plain", "Prism"])
         self.assertEqual(assets[1].file.parent.name, "glTF")
         self.assertEqual(assets[1].screenshot.name, "screenshot.png")
         self.assertIsNone(assets[0].screenshot)
@@ -80,7 +81,7 @@ class Page(unittest.TestCase):
         rows = table.read_text().splitlines()[2:]
         self.assertTrue(rows[0].startswith("| Broken | refused | "))
         self.assertEqual(rows[1], "| Plain | as asked |  |")
-        self.assertIn("| Unlit | differs | material 'a&lt;b\\|c': unlit", rows[2])
+        self.assertIn("| Prism | differs | material 'a&lt;b\\|c': the extension", rows[2])
         text = output.read_text()
         self.assertEqual(text.count("<img"), 3)  # two pictures and a screenshot
         self.assertNotIn("http", text)
