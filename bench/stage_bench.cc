@@ -222,7 +222,7 @@ void PaintWave(WaveFixture& f, std::uint32_t kind) {
     s.varying_1[i] = tangent ? 0 : record.eta[0];
   }
   if (Bsdfs()[kind].varying == Varying::kLayers) {
-    PrepareLayers({}, geometry.materials().records, false, 0, f.ranges.total(), s);
+    PrepareLayers({}, geometry.materials().records, nullptr, 0, f.ranges.total(), s);
   }
 }
 

@@ -83,7 +83,7 @@ TriangleRecord MakeRecord(const Mesh& mesh, bool one_sided, glm::uvec3& corners)
 }
 
 // Returns the mean of the mesh's tangents over a triangle or, where it has none of them, the
-// direction in which u grows, or the world's +y where it has no uvs.
+// direction in which u grows, or the world's +y where it has no uvs; with kMirroredTangent.
 std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
   glm::dvec3 tangent(0, 1, 0), mean(0);
   for (int i = 0; i < 3 && !mesh.tangents.empty(); ++i) {
@@ -101,7 +101,9 @@ std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
     const double length = glm::length(u);
     if (std::isfinite(length) && length > 0) tangent = u / length;
   }
-  return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
+  const bool mirrored = MakeTriangleTangents(mesh, corners, Texture()).side < 0;
+  const std::uint32_t packed = EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
+  return (packed & ~kMirroredTangent) | (mirrored ? kMirroredTangent : 0);
 }
 
 void AppendTriangle(const Mesh& mesh, bool one_sided, glm::uvec3 corners,

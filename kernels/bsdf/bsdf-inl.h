@@ -25,6 +25,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/lights/irradiance-inl.h"
+#include "kernels/material_fields-inl.h"
 #include "kernels/simd/rows-inl.h"
 #include "kernels/simd/sphere-inl.h"
 
@@ -62,24 +63,17 @@ struct ShadingLanes {
 HWY_INLINE V3 ColorOf(const SurfaceColumns& s, std::uint32_t i) {
   return Load3(s.color_r + i, s.color_g + i, s.color_b + i);
 }
-// Returns the index of the first word of the material of each row; rows beyond n get material 0.
-HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
-  const VU material = hn::And(Load(s.material + i), SetU(kMaterialMask));
-  return hn::ShiftLeft<kLogMaterialWords>(hn::IfThenElseZero(RowsBelow(i, n), material));
-}
 using enum MaterialField;
 // These gather a field of each row's material; MaterialFields returns `fields`.
 HWY_INLINE VF Field(const MaterialView& m, VU fields, MaterialField field) {
-  return Gather(reinterpret_cast<const float*>(m.records), fields + SetU(std::uint32_t(field)));
+  return Field(m.records, fields, field);
 }
 HWY_INLINE VU IndexField(const MaterialView& m, VU fields, MaterialField field) {
   return AsBits(Field(m, fields, field));
 }
 HWY_INLINE V3 Field3(const MaterialView& m, VU fields, MaterialField field) {
-  const auto channel = [&](std::uint32_t c) HWY_ATTR {
-    return Field(m, fields, MaterialField(std::uint32_t(field) + c));
-  };
-  return {channel(0), channel(1), channel(2)};
+  return {Field(m.records, fields, field, 0), Field(m.records, fields, field, 1),
+          Field(m.records, fields, field, 2)};
 }
 
 // Returns what Varying::kSecondColor has.

@@ -7,36 +7,25 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_metallic_roughness.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/coat-inl.h"
+#include "kernels/bsdf/gltf_layers-inl.h"
 #include "kernels/bsdf/metallic_roughness-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-struct ClothSheen {
-  HWY_INLINE ClothSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
-                        std::uint32_t n)
-      : fields(MaterialFields(s, i, n)),
-        color(Field3(m, fields, kSheen)),
-        alpha(Clamp(Field(m, fields, kSheenAlpha), kMinSheenAlpha, 1.0f)) {}
-  VU fields;
-  V3 color;
-  VF alpha;
-};
-
-struct ClearCoat {
-  HWY_INLINE ClearCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+struct EvenSheen : ClothSheen {
+  HWY_INLINE EvenSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                        std::uint32_t n)
-      : fields(MaterialFields(s, i, n)),
-        strength(Field(m, fields, kClearCoat)),
-        alpha(Clamp(Field(m, fields, kClearCoatAlpha), 1e-3f, 1.0f)),
-        f0(Set(0.04f)) {}
-  VU fields;
-  VF strength, alpha, f0;
+      : ClothSheen(m, MaterialFields(s, i, n), Splat(Set(1.0f)), Set(1.0f)) {}
+};
+struct EvenCoat : ClearCoat {
+  HWY_INLINE EvenCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                      std::uint32_t n)
+      : ClearCoat(m, MaterialFields(s, i, n), Set(1.0f)) {}
 };
 
-using CoatedMetallicRoughness = Coated<Sheened<MetallicRoughness, ClothSheen>, ClearCoat>;
+using CoatedMetallicRoughness = Coated<Sheened<MetallicRoughness, EvenSheen>, EvenCoat>;
 
 SKYWAVE_BSDF_KERNELS(CoatedMetallicRoughness)
 

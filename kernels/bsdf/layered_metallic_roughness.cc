@@ -14,7 +14,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/layered_metallic_roughness.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/coat-inl.h"
+#include "kernels/bsdf/gltf_layers-inl.h"
 #include "kernels/bsdf/microfacet-inl.h"
 #include "kernels/bsdf/thin_film-inl.h"
 #include "kernels/surface/layers-inl.h"
@@ -23,24 +23,16 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE VF Between(VF zero, VF one, VF share) { return zero + share * (one - zero); }
-HWY_INLINE V3 Between(const V3& zero, const V3& one, VF share) {
-  return zero + (one - zero) * share;
-}
-HWY_INLINE V3 Grey(VF value) { return {value, value, value}; }
-
 // Facets of a grain: of width x along it and y across it, as far as they have two widths.
 struct GrainedFacets {
   HWY_INLINE GrainedFacets(const SurfaceColumns& s, const MaterialView& m, VU fields, VF alpha,
                            std::uint32_t i, std::uint32_t n) {
-    const auto word = [&](std::uint32_t at) HWY_ATTR {
-      return Field(m, fields, MaterialField(std::uint32_t(kGrain) + at));
-    };
-    const VF c = word(0), v = word(1), column = Load(s.varying_3 + i);
-    const VF strength = hn::Min(hn::Sqrt(c * c + v * v) * Share<2>(column), Set(1.0f));
+    const VF x = Field(m.records, fields, kGrain, 0), y = Field(m.records, fields, kGrain, 1);
+    const VF column = Load(s.varying_3 + i);
+    const VF strength = hn::Min(hn::Sqrt(x * x + y * y) * Share<2>(column), Set(1.0f));
     grained = hn::And(hn::Gt(strength, hn::Zero(F())), hn::RebindMask(F(), RowsBelow(i, n)));
     any_grained = m.anisotropic != nullptr && !hn::AllFalse(F(), grained);
-    facets = {Between(alpha, Set(1.0f), strength * strength), alpha};
+    facets = {Mix(alpha, Set(1.0f), strength * strength), alpha};
     FacetTurn packed = TurnOfLayers(Load(s.varying_1 + i), column);
     packed.sine = IfThen(SeenFromBehind(s, i), -packed.sine, packed.sine);
     turn = TangentTurn(IfThen(grained, packed.cosine, Set(1.0f)),
@@ -87,21 +79,21 @@ struct LayeredBase {
     const VF grazing = ggx.Mean(tables.mean_grazing);
     if (grain.any_grained) mean = IfThen(grain.grained, albedo.Mean(), mean);
     VF mirrored = coat_f0 * (mean - grazing) + coat_f90 * grazing;  // by the coat, on average
-    V3 f = color * (20.0f / 21) + Grey(Set(1.0f / 21));             // by the metal, without shadows
+    V3 f = color * (20.0f / 21) + Splat(Set(1.0f / 21));            // by the metal, without shadows
     if (any_film) {
       // Gauss's three points for the weight 2 x, cosines of diffuse light.
       constexpr float kAt[] = {0.21234054f, 0.59053314f, 0.91141204f};
       constexpr float kWeight[] = {0.13965396f, 0.45848221f, 0.40186383f};
       VF coat_mean = hn::Zero(F());
-      V3 metal_mean = Grey(hn::Zero(F()));
+      V3 metal_mean = Splat(hn::Zero(F()));
       for (int k = 0; k < 3; ++k) {
         const ThinFilm::Crossing at = layer.At(Set(kAt[k]));
         const VF all = ggx.Table(tables.albedo, Set(kAt[k]));
         coat_mean = coat_mean + MaxComponent(filmed_coat.Reflectance(at)) * all * kWeight[k];
         metal_mean = metal_mean + filmed_metal.Reflectance(at) * kWeight[k];
       }
-      mirrored = Between(mirrored, coat_mean, film);
-      f = Between(f, metal_mean, film);
+      mirrored = Mix(mirrored, coat_mean, film);
+      f = Mix(f, metal_mean, film);
     }
     diffuse = color * (body * kInvPi / hn::Max(one - mirrored, Set(1e-6f)));
 
@@ -114,8 +106,8 @@ struct LayeredBase {
     return Clamp(Field(m, fields, kAlpha) * (roughness * roughness), 1e-3f, 1.0f);
   }
   HWY_INLINE VF Thickness(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i) const {
-    return Between(Field(m, fields, kFilmThin), Field(m, fields, kFilmThick),
-                   Share<1>(Load(s.varying_3 + i)));
+    return Mix(Field(m, fields, kFilmThin), Field(m, fields, kFilmThick),
+               Share<1>(Load(s.varying_3 + i)));
   }
 
   // Quantities of one of both directions.
@@ -135,9 +127,9 @@ struct LayeredBase {
     if (any_film) {
       const ThinFilm::Crossing at = layer.At(Clamp(w.z, 0.0f, 1.0f));
       const V3 coat = filmed_coat.Reflectance(at);
-      const V3 both = Between(coat, filmed_metal.Reflectance(at), metallic);
-      mirrored = Between(mirrored, MaxComponent(coat) * all, film);
-      specular = Between(specular, Luminance(both) * all, film);
+      const V3 both = Mix(coat, filmed_metal.Reflectance(at), metallic);
+      mirrored = Mix(mirrored, MaxComponent(coat) * all, film);
+      specular = Mix(specular, Luminance(both) * all, film);
     }
     return {one - all, one - mirrored, specular};
   }
@@ -153,11 +145,11 @@ struct LayeredBase {
 
   HWY_INLINE V3 Fresnel(VF cosine) const {
     const VF away5 = Power5(1.0f - cosine);
-    const V3 plain = f0 * (1.0f - away5) + Grey(f90 * away5);
+    const V3 plain = f0 * (1.0f - away5) + Splat(f90 * away5);
     if (!any_film) return plain;
     const ThinFilm::Crossing at = layer.At(cosine);
-    const V3 of_film = Between(filmed_coat.Reflectance(at), filmed_metal.Reflectance(at), metallic);
-    return Between(plain, of_film, film);
+    const V3 of_film = Mix(filmed_coat.Reflectance(at), filmed_metal.Reflectance(at), metallic);
+    return Mix(plain, of_film, film);
   }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
@@ -214,28 +206,17 @@ struct LayeredBase {
   V3 diffuse, multiscatter;
 };
 
-struct TexturedSheen {
+struct TexturedSheen : ClothSheen {
   HWY_INLINE TexturedSheen(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                            std::uint32_t n)
-      : fields(MaterialFields(s, i, n)),
-        color(Field3(m, fields, kSheen) * ColorOfRoots(Load(s.varying_1 + i))) {
-    const VF roughness = Share<3>(Load(s.varying_0 + i));
-    alpha = Clamp(Field(m, fields, kSheenAlpha) * (roughness * roughness), kMinSheenAlpha, 1.0f);
-  }
-  VU fields;
-  V3 color;
-  VF alpha;
+      : ClothSheen(m, MaterialFields(s, i, n), ColorOfRoots(Load(s.varying_1 + i)),
+                   Share<3>(Load(s.varying_0 + i))) {}
 };
 
-struct TexturedCoat {
+struct TexturedCoat : ClearCoat {
   HWY_INLINE TexturedCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                           std::uint32_t n)
-      : fields(MaterialFields(s, i, n)), strength(Field(m, fields, kClearCoat)), f0(Set(0.04f)) {
-    const VF roughness = Share<2>(Load(s.varying_0 + i));
-    alpha = Clamp(Field(m, fields, kClearCoatAlpha) * (roughness * roughness), 1e-3f, 1.0f);
-  }
-  VU fields;
-  VF strength, alpha, f0;
+      : ClearCoat(m, MaterialFields(s, i, n), Share<2>(Load(s.varying_0 + i))) {}
 };
 
 using LayeredMetallicRoughness = Coated<Sheened<LayeredBase, TexturedSheen>, TexturedCoat>;

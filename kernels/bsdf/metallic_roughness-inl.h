@@ -48,10 +48,7 @@ struct MetallicRoughness {
     multiscatter = ReflectedAgain(f, lost, metallic * mean * kInvPi / lost);
   }
 
-  static HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
-  // Interpolates a quantity that is linear in F0 between its values for 0 and 1.
-  static HWY_INLINE VF Mix(VF zero, VF one, VF share) { return zero + share * (one - zero); }
-
+  // Albedos and Fresnel's factors are linear in F0, hence between their values for 0 and 1.
   // Quantities of one of both directions.
   struct Side {
     VF lost;     // share lost by single scattering between facets that reflect everything

@@ -20,8 +20,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A Gaussian in the wave number 1 / wavelength, and its transform: height, middle and variance, of
-// which the last two are in radians a metre.
+// A Gaussian in the wave number 1 / wavelength, and its transform: its height, its middle [1/m] and
+// its variance [1/m^2].
 struct SpectralGaussian {
   float height, middle, variance;
   // Returns the real part at optical path difference `path` [m].

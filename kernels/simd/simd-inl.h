@@ -111,6 +111,10 @@ HWY_INLINE V3 Cross(const V3& a, const V3& b) {
 HWY_INLINE V3 IfThen(MF mask, const V3& yes, const V3& no) {
   return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
 }
+HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
+// These return what lies between two values, the second of which has this share.
+HWY_INLINE VF Mix(VF a, VF b, VF share) { return a + share * (b - a); }
+HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return a + (b - a) * share; }
 HWY_INLINE V3 Normalize(const V3& a) { return a * (1.0f / hn::Sqrt(Dot(a, a))); }
 HWY_INLINE VF MaxComponent(const V3& a) { return hn::Max(hn::Max(a.x, a.y), a.z); }
 

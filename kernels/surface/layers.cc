@@ -5,6 +5,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/surface/layers-inl.h"
+#include "kernels/surface/surface.h"
 #include "kernels/surface/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -12,21 +13,22 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 // Turns the tangent that PrepareTangents has written by the grain of the material and by its
-// texture, counter-clockwise as seen from the side that the mesh's normals point to, and packs it
-// as if it were seen from there.
-HWY_INLINE VF PackGrain(VF cosine, VF sine, const V3& image, VF grain_x, VF grain_y, MF back) {
+// texture, counter-clockwise as seen from the side that the mesh's normals point to, or clockwise
+// where the triangle mirrors images, and packs it as if it were seen from there.
+HWY_INLINE VF PackGrain(VF cosine, VF sine, const V3& image, VF grain_x, VF grain_y, MF mirrored,
+                        MF back) {
   const VF front = IfThen(back, -sine, sine);
   const VF x = image.x * grain_x - image.y * grain_y;
-  const VF y = image.x * grain_y + image.y * grain_x;
+  const VF turn = image.x * grain_y + image.y * grain_x, y = IfThen(mirrored, -turn, turn);
   const VF c = cosine * x - front * y, s = front * x + cosine * y;
   // Without a length, which only rounding leaves, it is the tangent.
   const MF usable = hn::Gt(c * c + s * s, Set(1e-12f));
   return PackFacetTurn({IfThen(usable, c, cosine), IfThen(usable, s, front), hn::Zero(F())});
 }
 
-void PrepareLayers(const TextureView& view, const MaterialRecord* materials, bool tangents,
-                   float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
-  const auto* fields = reinterpret_cast<const float*>(materials);
+void PrepareLayers(const TextureView& view, const MaterialRecord* materials,
+                   const std::uint32_t* tangents, float pixel_angle, std::uint32_t n,
+                   const SurfaceColumns& s) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const auto look_up = [&](MaterialField texture, const V3& otherwise) HWY_ATTR {
@@ -47,17 +49,17 @@ void PrepareLayers(const TextureView& view, const MaterialRecord* materials, boo
     const VF thickness = look_up(MaterialField::kFilmThicknessTexture, white).y;
 
     VF turn = zero, anisotropy = one;
-    if (tangents) {
+    if (tangents != nullptr) {
       const V3 grain = look_up(MaterialField::kAnisotropyTexture, {one, Set(0.5f), one});
       anisotropy = grain.z;
-      const VU first = hn::ShiftLeft<kLogMaterialWords>(
-          hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask))));
-      const auto word = [&](std::uint32_t at) HWY_ATTR {
-        return Gather(fields, first + SetU(std::uint32_t(MaterialField::kGrain) + at));
-      };
+      const VU fields = MaterialFields(s, i, n);
+      const VU triangle = hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i));
+      const MF mirrored =
+          hn::RebindMask(F(), hn::TestBit(Gather(tangents, triangle), SetU(kMirroredTangent)));
       const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
-      turn = PackGrain(Load(s.varying_0 + i), Load(s.varying_1 + i), grain * 2.0f - white, word(0),
-                       word(1), back);
+      turn = PackGrain(Load(s.varying_0 + i), Load(s.varying_1 + i), grain * 2.0f - white,
+                       Field(materials, fields, MaterialField::kGrain, 0),
+                       Field(materials, fields, MaterialField::kGrain, 1), mirrored, back);
     }
     const auto root = [](VF x) HWY_ATTR { return ByteOf(hn::Sqrt(Clamp(x, 0.0f, 1.0f))); };
     StoreBelow(
@@ -81,8 +83,9 @@ namespace skywave {
 
 HWY_EXPORT(PrepareLayers);
 
-void PrepareLayers(const TextureView& textures, const MaterialRecord* materials, bool tangents,
-                   float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
+void PrepareLayers(const TextureView& textures, const MaterialRecord* materials,
+                   const std::uint32_t* tangents, float pixel_angle, std::uint32_t n,
+                   const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareLayers)(textures, materials, tangents, pixel_angle, n, surfaces);
 }
 

@@ -8,9 +8,10 @@
 
 namespace skywave {
 
-// Writes Varying::kLayers of rows [0, n). With `tangents`, PrepareTangents has written these rows
-// before; without, no material has a grain. `textures` may be empty.
-void PrepareLayers(const TextureView& textures, const MaterialRecord* materials, bool tangents,
-                   float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
+// Writes Varying::kLayers of rows [0, n). PrepareTangents has written these rows before with the
+// same `tangents`; if they are null, no material has a grain. `textures` may be empty.
+void PrepareLayers(const TextureView& textures, const MaterialRecord* materials,
+                   const std::uint32_t* tangents, float pixel_angle, std::uint32_t n,
+                   const SurfaceColumns& surfaces);
 
 }  // namespace skywave

@@ -22,9 +22,13 @@ struct TriangleTables {
 void PrepareSurfaces(const TriangleTables& triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal), in the
-// space of its mesh; its projection onto the surface is the tangent, or the frame's own first axis
-// if that is null. `instances` is null in scenes without instances.
+// Set in the tangent of a triangle whose second axis of images lies clockwise of the first as its
+// normals see it; that is the lowest bit of the direction, which does not show.
+inline constexpr std::uint32_t kMirroredTangent = 1;
+
+// Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal and
+// kMirroredTangent), in the space of its mesh; its projection onto the surface is the tangent, or
+// the frame's own first axis if that is null. `instances` is null in scenes without instances.
 void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instances,
                      std::uint32_t n, const SurfaceColumns& surfaces);
 

@@ -6,6 +6,7 @@
 #define SKYWAVE_KERNELS_TEXTURE_INL_H_
 #endif
 
+#include "kernels/material_fields-inl.h"
 #include "kernels/packed_radiance-inl.h"
 #include "kernels/simd/math-inl.h"
 #include "kernels/surface/instances-inl.h"
@@ -44,8 +45,6 @@ struct Neighbours {
   VU first, second;
   VF share;
 };
-
-HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return a + (b - a) * share; }
 
 // Reads the words of one texture's record per lane.
 struct TextureLanes {

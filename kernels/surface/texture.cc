@@ -50,14 +50,10 @@ template <class Factor>
 HWY_INLINE void PrepareAlphaAnd(MaterialField second_field, float least, const Factor& factor,
                                 const TextureView& view, const MaterialRecord* materials,
                                 float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
-  const auto* fields = reinterpret_cast<const float*>(materials);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VU material =
-        hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
-    const auto field = [&](MaterialField f)
-                           HWY_ATTR { return Gather(fields, first + SetU(std::uint32_t(f))); };
-    VF alpha = field(MaterialField::kAlpha), second = field(second_field);
+    const VU fields = MaterialFields(s, i, n);
+    VF alpha = Field(materials, fields, MaterialField::kAlpha);
+    VF second = Field(materials, fields, second_field);
     if (view.records != nullptr) {
       const TexturedLanes<kLogMaterialWords> textured(
           materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
@@ -89,15 +85,10 @@ void PrepareCoatWidths(const TextureView& view, const MaterialRecord* materials,
 void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
                       MaterialField across_field, bool only_textured, float pixel_angle,
                       std::uint32_t n, const SurfaceColumns& s) {
-  const auto* fields = reinterpret_cast<const float*>(materials);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VU material =
-        hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
-    const auto field = [&](MaterialField f)
-                           HWY_ATTR { return Gather(fields, first + SetU(std::uint32_t(f))); };
-    VF along = field(MaterialField::kAlpha);
-    VF across = field(across_field);
+    const VU fields = MaterialFields(s, i, n);
+    VF along = Field(materials, fields, MaterialField::kAlpha);
+    VF across = Field(materials, fields, across_field);
     const MF nowhere = hn::Lt(across, across);
     MF written = only_textured ? nowhere : hn::Not(nowhere);
     if (view.records != nullptr) {

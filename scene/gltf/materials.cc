@@ -122,6 +122,11 @@ void SetFilm(GltfTextures& context, const tinygltf::Value& extension, Material& 
       AddGltfShare(context, TextureInfo(extension, "iridescenceTexture"), 0, factor);
   material.film = share.number, material.film_texture = share.texture;
   material.film_ior = Positive(context, extension, "iridescenceIor", 1.3);
+  if (material.film_ior < 1) {
+    WarnOfMaterial(context, fmt::format("iridescenceIor {} is below 1: 1 is used, which is no film",
+                                        material.film_ior));
+    material.film_ior = 1;
+  }
   material.film_thin = Positive(context, extension, "iridescenceThicknessMinimum", 100);
   material.film_thick = Positive(context, extension, "iridescenceThicknessMaximum", 400);
   material.film_thickness_texture =
@@ -483,8 +488,9 @@ const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
     textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
     textures_.uv_set.reset();
     material = MakeMaterial(textures_, from, tinted);
-    used.uses_tangents =
-        from.normalTexture.index >= 0 || GltfExtension(from, kAnisotropy) != nullptr;
+    const auto* const anisotropy = GltfExtension(from, kAnisotropy);
+    used.grained = anisotropy != nullptr && GltfNumber(*anisotropy, "anisotropyStrength", 0) > 0;
+    used.uses_tangents = from.normalTexture.index >= 0 || used.grained;
     used.uv_set = textures_.uv_set.value_or(0);
     used.opaque = from.alphaMode == "OPAQUE";
   }

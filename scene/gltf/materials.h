@@ -55,6 +55,7 @@ struct GltfMaterial {
   std::uint32_t row = 0;       // in Scene::materials
   int uv_set = 0;              // of its textures
   bool uses_tangents = false;  // it has a normal map or a grain
+  bool grained = false;        // KHR_materials_anisotropy
   bool opaque = true;          // its alpha counts for nothing
 };
 

@@ -147,6 +147,10 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
       mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
     }
   }
+  if (material.grained && mesh.tangents.empty() && mesh.uvs.empty()) {
+    AddWarningOf(warnings, InputPosition::File(path), "mesh", name,
+                 "no tangents and no texture coordinates: its anisotropy is along +y");
+  }
   ReadVertexColors(model, primitive, material.opaque, path, mesh);
 
   std::vector<std::uint32_t> indices(vertices);

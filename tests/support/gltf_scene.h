@@ -100,6 +100,11 @@ class Gltf : public testing::Test {
   TemporaryFolder folder_;
 };
 
+// Returns the material of the first mesh.
+inline const Material& Body(const Scene& scene) {
+  return scene.materials.at(scene.meshes.at(0).material);
+}
+
 inline void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
   EXPECT_LT(glm::length(a - b), 1e-5) << a.x << " " << a.y << " " << a.z;
 }

@@ -178,7 +178,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
         if (tangents != nullptr) {
           PrepareTangents(tangents, frame.geometry->instances(), n, rows);
         }
-        PrepareLayers(textures, materials, tangents != nullptr, angle, n, rows);
+        PrepareLayers(textures, materials, tangents, angle, n, rows);
         break;
       }
       case Varying::kTangent:

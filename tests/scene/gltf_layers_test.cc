@@ -1,0 +1,217 @@
+// Tests the layers of glTF's materials: coats, sheen, specular, anisotropy, iridescence, unlit.
+#include <gtest/gtest.h>
+
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "image/image.h"
+#include "kernels/surface/surface.h"
+#include "scene/geometry.h"
+#include "tests/support/gltf_document.h"
+#include "tests/support/gltf_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
+  json document = Document();
+  json& extensions = document["materials"][0]["extensions"];
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
+                                           {"clearcoatRoughnessFactor", 0.3}};
+  const Material coated = Read(document).materials[0];
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_FLOAT_EQ(coated.coat, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
+  EXPECT_EQ(coated.sheen, glm::vec3(0));
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["normalTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
+  extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(Read(document).warnings.empty());
+  // A texture of its strength, here of one value.
+  extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
+  EXPECT_FLOAT_EQ(Body(Read(document)).coat, 0.5f * 128 / 255);
+  EXPECT_TRUE(Read(document).warnings.empty());
+  WritePng(folder_.Write("n.png", ""), 2, 1, {128, 128, 255, 0, 128, 255});
+  const Scene partly = Read(document);
+  ASSERT_TRUE(Body(partly).mixture);
+  EXPECT_EQ(partly.materials[Body(partly).mixture->first].bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_EQ(partly.materials[Body(partly).mixture->second].coat, 1);
+  const auto& shares = partly.textures.at(Body(partly).mixture_texture.value());
+  EXPECT_FLOAT_EQ(partly.images[shares.image].rgb[0], 0.5f * 128 / 255);
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                                       {"sheenRoughnessFactor", 0.5}};
+  const Material velvet = Read(document).materials[0];
+  EXPECT_EQ(velvet.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_EQ(velvet.coat, 0);
+  EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
+  EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+}
+
+// An unlit surface has the radiance of its base colour and reflects nothing; radiance has no
+// colours of vertices, so with these it is lit, which is said.
+TEST_F(Gltf, UnlitMaterialsShineInTheirBaseColour) {
+  WritePng(folder_.Write("t.png", ""), 1, 1, {255, 128, 51});
+  json document = Document();
+  document["images"] = {{{"uri", "t.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["extensions"] = {{"KHR_materials_unlit", json::object()}};
+  material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+                                      {"baseColorTexture", {{"index", 0}}}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["doubleSided"] = true;
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(Body(scene).reflectance, glm::vec3(0));
+  EXPECT_EQ(Body(scene).emission, glm::vec3(0.5f, 0.25f, 1)) << "not that of what is lit";
+  EXPECT_TRUE(Body(scene).emission_texture);
+  EXPECT_TRUE(Body(scene).emits_on_both_sides);
+  json& primitives = document["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["attributes"]["COLOR_0"] = primitives[1]["attributes"]["POSITION"];
+  const Scene both = Read(document);
+  EXPECT_EQ(both.materials[both.meshes.front().material].reflectance, glm::vec3(0));
+  const Material& tinted = both.materials[both.meshes.back().material];
+  EXPECT_EQ(tinted.reflectance, glm::vec3(0.5f, 0.25f, 1));
+  EXPECT_EQ(tinted.emission, glm::vec3(0));
+  EXPECT_NE(both.warnings.at(0).find("unlit with colours of vertices"), std::string::npos);
+}
+
+// The texture of every test below: red 255, 0; green 128, 64; blue 51, 204.
+class GltfLayers : public Gltf {
+ protected:
+  // Reads the document with these extensions of its material.
+  Scene ReadWith(const json& extensions) {
+    WritePng(folder_.Write("t.png", ""), 2, 1, {255, 128, 51, 0, 64, 204});
+    json document = Document();
+    document["images"] = {{{"uri", "t.png"}}};
+    document["textures"] = {{{"source", 0}}};
+    document["materials"][0]["extensions"] = extensions;
+    return Read(document);
+  }
+  static float Red(const Scene& scene, std::optional<std::uint32_t> texture) {
+    return scene.images[scene.textures.at(texture.value()).image].rgb[0];
+  }
+  const json texture_ = {{"index", 0}};
+};
+
+// Each layer is read with its textures, in the channels that its extension names.
+TEST_F(GltfLayers, SpecularHasItsFactorsAndTextures) {
+  const Scene scene = ReadWith({{"KHR_materials_specular",
+                                 {{"specularFactor", 0.25},
+                                  {"specularColorFactor", {0.5, 1, 2}},
+                                  {"specularTexture", texture_},
+                                  {"specularColorTexture", texture_}}}});
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& shiny = Body(scene);
+  EXPECT_EQ(shiny.bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(shiny.specular, 0.25f);
+  EXPECT_EQ(shiny.specular_color, glm::vec3(0.5f, 1, 2));
+  EXPECT_EQ(Red(scene, shiny.specular_texture), 1) << "a picture without alpha is opaque";
+  EXPECT_EQ(Red(scene, shiny.specular_color_texture), 1);
+  EXPECT_EQ(shiny.coat, 0);
+}
+
+TEST_F(GltfLayers, GrainsHaveTheirFactorsAndTexture) {
+  const Scene scene = ReadWith({{"KHR_materials_anisotropy",
+                                 {{"anisotropyStrength", 0.5},
+                                  {"anisotropyRotation", 0.75},
+                                  {"anisotropyTexture", texture_}}}});
+  EXPECT_EQ(Body(scene).bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(Body(scene).anisotropy, 0.5f);
+  EXPECT_EQ(Body(scene).anisotropy_turn, 0.75f);
+  EXPECT_TRUE(Body(scene).anisotropy_texture);
+}
+
+// A grain follows tangents, or else texture coordinates; a mesh without both has it along an axis
+// that no file asks for.
+TEST_F(GltfLayers, GrainsWithoutADirectionAreNamed) {
+  json document = Document();
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}};
+  EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+  document["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+  const std::vector<std::string> warnings = Read(document).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("no tangents and no texture coordinates"), std::string::npos);
+}
+
+// The second axis of images, from which a grain turns away, is that of the file's tangents, or else
+// of its texture coordinates, whose v grows downwards.
+TEST_F(GltfLayers, GrainsKnowWhereImagesAreMirrored) {
+  Scene scene = ReadWith({{"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}});
+  const auto mirrored = [&] {
+    return (Geometry(scene, "test", 1).tangents()[0] & kMirroredTangent) != 0;
+  };
+  EXPECT_TRUE(mirrored()) << "v grows upwards";
+  for (Mesh& mesh : scene.meshes) {
+    for (glm::vec2& uv : mesh.uvs) uv.y = -uv.y;
+  }
+  EXPECT_FALSE(mirrored());
+  for (const float side : {-1.0f, 1.0f}) {
+    for (Mesh& mesh : scene.meshes) mesh.tangents.assign(3, {1, 0, 0, side});
+    EXPECT_EQ(mirrored(), side < 0);
+  }
+}
+
+TEST_F(GltfLayers, FilmsHaveTheirFactorsAndTextures) {
+  json film = {{"iridescenceFactor", 0.5},           {"iridescenceIor", 1.8},
+               {"iridescenceThicknessMinimum", 200}, {"iridescenceThicknessMaximum", 500},
+               {"iridescenceTexture", texture_},     {"iridescenceThicknessTexture", texture_}};
+  const Scene scene = ReadWith({{"KHR_materials_iridescence", film}});
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(Body(scene).bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_EQ(Body(scene).film_ior, 1.8f);
+  EXPECT_EQ(Body(scene).film_thin, 200);
+  EXPECT_EQ(Body(scene).film_thick, 500);
+  EXPECT_EQ(Red(scene, Body(scene).film_texture), 0.5f) << "times its factor";
+  EXPECT_TRUE(Body(scene).film_thickness_texture);
+
+  film["iridescenceThicknessMaximum"] = -5, film["iridescenceIor"] = 0.5;
+  const std::string said =
+      fmt::format("{}", fmt::join(ReadWith({{"KHR_materials_iridescence", film}}).warnings, "\n"));
+  EXPECT_NE(said.find("iridescenceThicknessMaximum -5"), std::string::npos) << said;
+  EXPECT_NE(said.find("iridescenceIor 0.5 is below 1"), std::string::npos) << said;
+}
+
+TEST_F(GltfLayers, SheensAndCoatsHaveTheirTextures) {
+  const Scene scene = ReadWith({{"KHR_materials_sheen",
+                                 {{"sheenColorFactor", {1, 1, 1}},
+                                  {"sheenRoughnessFactor", 1},
+                                  {"sheenColorTexture", texture_},
+                                  {"sheenRoughnessTexture", texture_}}},
+                                {"KHR_materials_clearcoat",
+                                 {{"clearcoatFactor", 1},
+                                  {"clearcoatRoughnessFactor", 0.5},
+                                  {"clearcoatRoughnessTexture", texture_}}}});
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& cloth = Body(scene);
+  EXPECT_EQ(cloth.bsdf, BsdfKind::kLayeredMetallicRoughness);
+  EXPECT_TRUE(cloth.sheen_texture && cloth.sheen_alpha_texture && cloth.coat_alpha_texture);
+  EXPECT_EQ(cloth.coat_alpha, 0.25f);
+}
+
+TEST_F(GltfLayers, FactorsThatChangeNothingLeaveTheSimplerMaterial) {
+  const Scene scene = ReadWith({{"KHR_materials_specular", {{"specularFactor", 1}}},
+                                {"KHR_materials_iridescence", {{"iridescenceFactor", 0}}},
+                                {"KHR_materials_anisotropy", {{"anisotropyTexture", texture_}}}});
+  EXPECT_EQ(Body(scene).bsdf, BsdfKind::kMetallicRoughness);
+}
+
+TEST_F(GltfLayers, GlassHasNoFilmWhichIsSaid) {
+  const Scene scene = ReadWith({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                {"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}});
+  EXPECT_NE(scene.warnings.at(0).find("without the film"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skywave
