@@ -35,8 +35,8 @@ std::size_t BytesOf(const Scene& scene) {
   const auto add = [&](const std::vector<Mesh>& meshes) {
     for (const Mesh& mesh : meshes) {
       bytes += BytesOf(mesh.positions) + BytesOf(mesh.normals) + BytesOf(mesh.uvs) +
-               BytesOf(mesh.tangents) + BytesOf(mesh.colors) + BytesOf(mesh.alphas) +
-               BytesOf(mesh.triangles);
+               BytesOf(mesh.second_uvs) + BytesOf(mesh.tangents) + BytesOf(mesh.colors) +
+               BytesOf(mesh.alphas) + BytesOf(mesh.triangles);
     }
   };
   add(scene.meshes);

@@ -366,9 +366,10 @@ enum class TextureWrap : std::uint32_t { kRepeat, kClamp, kMirror };
 struct TextureRecord {
   std::uint32_t first_level, levels;  // rows of the level table
   TextureWrap wrap_u, wrap_v;
-  float transform[6];  // (u, v) -> (t0 u + t1 v + t2, t3 u + t4 v + t5)
-  float texels;        // number of level 0 in a length of 1 of (u, v) before the transform
-  float unused[5];
+  float transform[6];       // (u, v) -> (t0 u + t1 v + t2, t3 u + t4 v + t5)
+  float texels;             // number of level 0 in a length of 1 of (u, v) before the transform
+  std::uint32_t first_uvs;  // row of TextureView::uvs that has those of triangle 0
+  float unused[4];
 };
 inline constexpr int kLogTextureWords = 4;
 static_assert(sizeof(TextureRecord) == sizeof(std::uint32_t) << kLogTextureWords);

@@ -39,6 +39,7 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
     }
   }
   check_count(mesh.uvs.size(), "uvs");
+  check_count(mesh.second_uvs.size(), "second uvs");
   check_count(mesh.colors.size(), "colours");
   check_count(mesh.alphas.size(), "alphas");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -111,7 +111,7 @@ void AppendTriangle(const Mesh& mesh, bool one_sided, glm::uvec3 corners,
                     GeometryTables& tables) {
   tables.triangles.push_back(MakeRecord(mesh, one_sided, corners));
   for (int i = 0; i < 3; ++i) tables.corners.push_back(first_vertex + corners[i]);
-  if (columns.uvs) tables.textures.uvs.push_back(MakeTriangleUvs(mesh, corners));
+  if (columns.uvs) tables.textures.uvs.push_back(MakeTriangleUvs(mesh, UvSet::kFirst, corners));
   if (columns.tangents) tables.tangents.push_back(PackTangent(mesh, corners));
   for (int i = 0; columns.colors && i < 3; ++i) {
     const glm::vec3 color = mesh.colors.empty() ? glm::vec3(1) : mesh.colors[corners[i]];
@@ -298,6 +298,19 @@ NormalMapRecord MakeNormalMap(const Material& material, const Scene& scene,
 
 // Adds the normal maps, and their axes on each record: variants of one triangle may have different
 // maps.
+// The mesh of a triangle record, and its corners there.
+struct RecordCorners {
+  const Mesh& mesh;
+  glm::uvec3 corners;
+};
+RecordCorners CornersOf(std::span<const Mesh* const> meshes, std::uint32_t record,
+                        const GeometryTables& tables) {
+  const std::uint32_t triangle = tables.TriangleOf(record);
+  const MeshPlace& place = tables.PlaceOf(triangle);
+  const std::uint32_t* const corners = &tables.corners[3 * std::size_t{triangle}];
+  return {*meshes[place.mesh], glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex};
+}
+
 void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
                    GeometryTables& tables) {
   if (std::none_of(scene.materials.begin(), scene.materials.end(),
@@ -316,18 +329,28 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
     const std::uint32_t tag = tables.triangles[record].tag;
     const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
     if ((tag & kMixedTriangle) != 0 || !texture) continue;
-    const std::uint32_t triangle = tables.TriangleOf(record);
-    const MeshPlace& place = tables.PlaceOf(triangle);
-    const std::uint32_t* const corners = &tables.corners[3 * std::size_t{triangle}];
-    const Mesh& mesh = *meshes[place.mesh];
-    const glm::uvec3 local = glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex;
+    const auto [mesh, corners] = CornersOf(meshes, record, tables);
     const Texture& map = scene.textures[*texture];
-    tables.map_axes[record] = MakeTriangleTangents(mesh, local, map);
+    tables.map_axes[record] = MakeTriangleTangents(mesh, corners, map);
     if (tables.normal_maps[tag & kMaterialMask].per_texel != 0) {
       const Image& image = scene.images[map.image];
-      tables.map_slopes[record] = MakeTriangleSlopes(mesh, local, map, image.width, image.height);
+      tables.map_slopes[record] = MakeTriangleSlopes(mesh, corners, map, image.width, image.height);
     }
   }
+}
+
+// Adds the second texture coordinates of meshes, where textures use them.
+void AddSecondUvs(const Scene& scene, std::span<const Mesh* const> meshes, GeometryTables& tables) {
+  if (std::none_of(scene.textures.begin(), scene.textures.end(),
+                   [](const Texture& texture) { return texture.uv_set == UvSet::kSecond; })) {
+    return;
+  }
+  std::vector<TriangleUvs> uvs;
+  for (std::uint32_t record = 0; record < tables.triangles.size(); ++record) {
+    const auto [mesh, corners] = CornersOf(meshes, record, tables);
+    uvs.push_back(MakeTriangleUvs(mesh, UvSet::kSecond, corners));
+  }
+  AppendSecondUvs(uvs, scene.textures, tables.textures);
 }
 
 // Returns whether MaterialView::varied is true for a scene with this material.
@@ -420,6 +443,7 @@ GeometryTables MakeGeometryTables(const Scene& scene, const std::string& path, b
   AddInstances(scene, tables);
   AddVariants(scene, path, tables);
   tables.corners.push_back(0);  // kernels read them four words at a time
+  if (textured) AddSecondUvs(scene, meshes, tables);
   AddNormalMaps(scene, meshes, tables);
   AddMaterials(scene, tables);
   return tables;

@@ -67,11 +67,15 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
     const Material& material = scene.materials[mesh.material];
     const bool shines = material.emission != glm::vec3(0);
     const EmissionImage* image = nullptr;
-    if (shines && material.emission_texture && !mesh.uvs.empty()) {
+    std::span<const glm::vec2> uvs;
+    if (shines && material.emission_texture) {
       const Texture& texture = scene.textures.at(*material.emission_texture);
-      image =
-          &images.try_emplace(*material.emission_texture, scene.images.at(texture.image), texture)
-               .first->second;
+      uvs = mesh.UvsOf(texture.uv_set);
+      if (!uvs.empty()) {
+        image =
+            &images.try_emplace(*material.emission_texture, scene.images.at(texture.image), texture)
+                 .first->second;
+      }
     }
     if (shines) {
       const glm::vec3 seen = material.emission * (image ? image->brightest() : glm::vec3(1));
@@ -85,7 +89,7 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
       glm::vec3 mean = material.emission;
       if (image != nullptr) {
         const glm::uvec3& t = mesh.triangles[i];
-        mean *= image->Mean({mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]});
+        mean *= image->Mean({uvs[t.x], uvs[t.y], uvs[t.z]});
       }
       LocalLight light = {.kind = LocalLightKind::kTriangle};
       light.area = float(0.5 * glm::length(glm::cross(glm::dvec3(axis), glm::dvec3(edge))));

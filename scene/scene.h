@@ -23,6 +23,9 @@ namespace skywave {
 // of the channels.
 enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights, kPbrtNormals };
 
+// Which of the coordinates of a mesh a texture is looked up at.
+enum class UvSet : std::uint32_t { kFirst, kSecond };
+
 // An image as a material uses it. After `transform`, whose columns are the factors of u, v and 1,
 // uv (0, 0) is the top left corner of the image and (1, 1) the bottom right one.
 struct Texture {
@@ -32,6 +35,7 @@ struct Texture {
   TextureUse use = TextureUse::kColor;
   // There are no coarser levels: neighbours in the image may be far apart on the surface.
   bool one_level = false;
+  UvSet uv_set = UvSet::kFirst;
 };
 
 // A mesh is triangles. (p1 - p0) x (p2 - p0) is on the side that the normals point to, in
@@ -40,9 +44,10 @@ struct Texture {
 struct Mesh {
   std::string name;
   std::string node;  // what stands it in the world, by which it goes too; may be empty
-  std::vector<glm::vec3> positions;  // world space
-  std::vector<glm::vec3> normals;    // empty (flat shading) or one per position, unit length
-  std::vector<glm::vec2> uvs;        // empty or one per position
+  std::vector<glm::vec3> positions;   // world space
+  std::vector<glm::vec3> normals;     // empty (flat shading) or one per position, unit length
+  std::vector<glm::vec2> uvs;         // empty or one per position
+  std::vector<glm::vec2> second_uvs;  // likewise
   // Empty or one per position: the direction in which u grows, and the side on which v does (+-1,
   // of normal x tangent), as glTF has it. Where they are empty, the uvs give those of each
   // triangle.
@@ -52,6 +57,10 @@ struct Mesh {
   std::vector<float> alphas;
   std::vector<glm::uvec3> triangles;  // indices into positions
   std::uint32_t material = 0;         // index into Scene::materials
+
+  const std::vector<glm::vec2>& UvsOf(UvSet set) const {
+    return set == UvSet::kFirst ? uvs : second_uvs;
+  }
 };
 
 // Meshes that stand in the world by instances alone, in a space of their own. None of them shines

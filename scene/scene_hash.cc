@@ -63,6 +63,7 @@ void AddMesh(const Mesh& mesh, Hash& hash) {
   hash.AddAll(mesh.positions), hash.AddAll(mesh.normals), hash.AddAll(mesh.uvs);
   hash.AddAll(mesh.triangles);
   hash.Add(mesh.material);
+  if (!mesh.second_uvs.empty()) hash.AddAll(mesh.second_uvs);
   if (!mesh.tangents.empty()) hash.AddAll(mesh.tangents);
   if (!mesh.colors.empty()) hash.AddAll(mesh.colors);
   if (!mesh.alphas.empty()) hash.AddAll(mesh.alphas);
@@ -73,6 +74,7 @@ void AddTexture(const Texture& texture, Hash& hash) {
   hash.Add(texture.transform);
   if (texture.use != TextureUse::kColor) hash.Add(texture.use);
   if (texture.one_level) hash.Add(texture.one_level);
+  if (texture.uv_set != UvSet::kFirst) hash.Add(texture.uv_set);
 }
 
 void AddImage(const Image& image, Hash& hash) {

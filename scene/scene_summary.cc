@@ -14,8 +14,8 @@ SceneSummary Summarize(const Scene& scene) {
     summary.vertices += mesh.positions.size();
     summary.meshes_with_normals += !mesh.normals.empty();
     summary.meshes_with_uvs += !mesh.uvs.empty();
-    summary.mesh_bytes +=
-        bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) + bytes(mesh.triangles);
+    summary.mesh_bytes += bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) +
+                          bytes(mesh.second_uvs) + bytes(mesh.triangles);
     summary.triangles_of_material.at(mesh.material) += mesh.triangles.size();
   };
   for (const Mesh& mesh : scene.meshes) add(mesh);

@@ -58,13 +58,21 @@ struct TextureLanes {
   VU at;
 };
 
+// Returns the first word of the coordinates that each lane's texture has on its triangle.
+HWY_INLINE VU UvsOf(const TextureView& view, const TextureLanes& record, VU triangle) {
+  if (view.two_uv_sets) {
+    triangle = triangle + record.Word(SKYWAVE_WORD(TextureRecord, first_uvs));
+  }
+  return hn::ShiftLeft<kLogUvWords>(triangle);
+}
+
 // Looks up one level of one texture per lane at barycentric (b1, b2) of its triangle. `unpack`
 // turns packed texels into a V3.
 template <class Unpack>
 HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
                           VU triangle, VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = hn::ShiftLeft<kLogUvWords>(triangle);
+  const VU at = UvsOf(view, record, triangle);
   const auto corner = [&](std::uint32_t f) HWY_ATTR { return Gather(corners, at + SetU(f)); };
   const VF b0 = 1.0f - b1 - b2;
   const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
@@ -101,15 +109,15 @@ template <class Textured>
 HWY_INLINE VF TexelsALength(const TextureView& view, const Textured& textured,
                             const SurfaceColumns& s, std::uint32_t i) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at =
-      hn::ShiftLeft<kLogUvWords>(textured.triangle) + SetU(SKYWAVE_WORD(TriangleUvs, density));
+  const TextureLanes record(view, textured.texture);
+  const VU at = UvsOf(view, record, textured.triangle) + SetU(SKYWAVE_WORD(TriangleUvs, density));
   VF density = Gather(corners, at);
   if (view.instances != nullptr) {
     const InstanceLanes instance(view.instances, s, i, hn::RebindMask(U(), textured.lanes));
     const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
     density = density * hn::Sqrt(instance.AreaInObject(ng));
   }
-  return density * TextureLanes(view, textured.texture).Number(SKYWAVE_WORD(TextureRecord, texels));
+  return density * record.Number(SKYWAVE_WORD(TextureRecord, texels));
 }
 
 // Finds the lanes of rows below n whose material has a texture in word `field` of its record of

@@ -205,7 +205,7 @@ void PrepareSecondColor(const TextureView& textures, const MaterialRecord* mater
 float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
                    float u, float v) {
   const TextureRecord& record = textures.records[texture];
-  const float(&uv)[3][2] = textures.uvs[triangle].uv;
+  const float(&uv)[3][2] = textures.uvs[record.first_uvs + triangle].uv;
   const float w = 1.0f - u - v;
   const float s = uv[0][0] * w + uv[1][0] * u + uv[2][0] * v;
   const float t = uv[0][1] * w + uv[1][1] * u + uv[2][1] * v;

@@ -19,8 +19,9 @@ struct TextureView {
   const TextureRecord* records = nullptr;
   const TextureLevel* levels = nullptr;
   const std::uint32_t* texels = nullptr;      // PackTexel, row by row from the top
-  const TriangleUvs* uvs = nullptr;           // by triangle
+  const TriangleUvs* uvs = nullptr;           // by triangle, from TextureRecord::first_uvs on
   const InstanceRecord* instances = nullptr;  // null: the scene has none
+  bool two_uv_sets = false;                   // first_uvs of some texture is not 0
   bool empty() const { return records == nullptr; }
 };
 

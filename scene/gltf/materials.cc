@@ -486,12 +486,12 @@ const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
   if (index >= 0) {
     const tinygltf::Material& from = materials[std::size_t(index)];
     textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
-    textures_.uv_set.reset();
+    textures_.uv_sets.clear();
     material = MakeMaterial(textures_, from, tinted);
     const auto* const anisotropy = GltfExtension(from, kAnisotropy);
     used.grained = anisotropy != nullptr && GltfNumber(*anisotropy, "anisotropyStrength", 0) > 0;
     used.uses_tangents = from.normalTexture.index >= 0 || used.grained;
-    used.uv_set = textures_.uv_set.value_or(0);
+    used.uv_sets = textures_.uv_sets;
     used.opaque = from.alphaMode == "OPAQUE";
   }
   used.row = std::uint32_t(textures_.scene.materials.size());

@@ -53,7 +53,7 @@ namespace skywave {
 // What meshes need to know of a material.
 struct GltfMaterial {
   std::uint32_t row = 0;       // in Scene::materials
-  int uv_set = 0;              // of its textures
+  std::vector<int> uv_sets;    // of its textures, two at most (UvSet)
   bool uses_tangents = false;  // it has a normal map or a grain
   bool grained = false;        // KHR_materials_anisotropy
   bool opaque = true;          // its alpha counts for nothing

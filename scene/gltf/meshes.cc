@@ -58,6 +58,20 @@ std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
   return vectors;
 }
 
+std::string NameOfUvSet(int set) { return fmt::format("TEXCOORD_{}", set); }
+
+std::vector<glm::vec2> TextureCoordinates(const tinygltf::Model& model,
+                                          const tinygltf::Primitive& primitive, int set,
+                                          std::size_t vertices, const std::string& path) {
+  const std::vector<float> numbers =
+      Attribute(model, primitive, NameOfUvSet(set), 2, vertices, path);
+  std::vector<glm::vec2> uvs;
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+    uvs.emplace_back(numbers[i], numbers[i + 1]);
+  }
+  return uvs;
+}
+
 // Reads COLOR_0, linear RGB or RGBA, clamped to [0, 1]. Its alpha counts where the material's does.
 void ReadVertexColors(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
                       bool opaque, const std::string& path, Mesh& mesh) {
@@ -137,9 +151,17 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
   std::vector<float> normals = Attribute(model, primitive, "NORMAL", 3, vertices, path);
   Morph(model, primitive, "NORMAL", 3, weights, path, normals);
   mesh.normals = Vectors(normals);
-  const std::string set = fmt::format("TEXCOORD_{}", material.uv_set);
-  const std::vector<float> uvs = Attribute(model, primitive, set, 2, vertices, path);
-  for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
+  const auto& sets = material.uv_sets;
+  mesh.uvs = TextureCoordinates(model, primitive, sets.empty() ? 0 : sets[0], vertices, path);
+  if (sets.size() > 1) {
+    mesh.second_uvs = TextureCoordinates(model, primitive, sets[1], vertices, path);
+  }
+  for (const int set : sets) {
+    if (primitive.attributes.contains(NameOfUvSet(set))) continue;
+    AddWarningOf(warnings, InputPosition::File(path), "mesh", name,
+                 fmt::format("textures use {}, which it lacks: they are looked up at (0, 0)",
+                             NameOfUvSet(set)));
+  }
   if (material.uses_tangents) {
     std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
     Morph(model, primitive, "TANGENT", 4, weights, path, t);

@@ -82,6 +82,11 @@ void SetSpecularGlossiness(GltfTextures& textures, const tinygltf::Value& extens
                    "is used");
   }
   Scene& scene = textures.scene;
+  if (colors && gloss && scene.textures[*colors].uv_set != scene.textures[*gloss].uv_set) {
+    WarnOfMaterial(textures,
+                   "its two textures have different texture coordinates: those of the diffuse one "
+                   "are used");
+  }
   const auto source = [&](const std::optional<std::uint32_t>& texture) {
     return Source{texture ? &scene.images[scene.textures[*texture].image] : nullptr};
   };

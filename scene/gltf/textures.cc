@@ -82,15 +82,21 @@ TextureWrap Wrap(int gl) {
   return TextureWrap::kRepeat;
 }
 
-// Takes the set of texture coordinates of the material's first texture for all of them.
-void ChooseUvSet(GltfTextures& textures, int set) {
-  if (textures.uv_set.value_or(set) != set) {
+// Returns which of the coordinates of its meshes the material's textures have by this set of the
+// file. There are two: the sets of its first textures.
+UvSet ChooseUvSet(GltfTextures& textures, int set) {
+  std::vector<int>& sets = textures.uv_sets;
+  const auto known = std::find(sets.begin(), sets.end(), set);
+  if (known != sets.end()) return UvSet(known - sets.begin());
+  if (sets.size() == 2) {
     WarnOfMaterial(textures,
-                   fmt::format("two sets of texture coordinates in a material are not supported: "
-                               "set {} is used for all of its textures",
-                               *textures.uv_set));
+                   fmt::format("more than two sets of texture coordinates in a material are not "
+                               "supported: set {} is used for set {}",
+                               sets[0], set));
+    return UvSet::kFirst;
   }
-  if (!textures.uv_set) textures.uv_set = set;
+  sets.push_back(set);
+  return UvSet(sets.size() - 1);
 }
 
 }  // namespace
@@ -176,7 +182,7 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
     WarnOfMaterial(textures, text);
     return std::nullopt;
   }
-  ChooseUvSet(textures, info.uv_set);
+  texture.uv_set = ChooseUvSet(textures, info.uv_set);
   if (from.sampler >= 0 && std::size_t(from.sampler) < model.samplers.size()) {
     const tinygltf::Sampler& sampler = model.samplers[std::size_t(from.sampler)];
     texture.wrap_u = Wrap(sampler.wrapS), texture.wrap_v = Wrap(sampler.wrapT);

@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "image/image.h"
 #include "scene/materials/texture_baking.h"
@@ -23,8 +24,8 @@ struct GltfTextures {
   const std::string& path;
   Scene& scene;
   Warnings& warnings;
-  std::string material = {};       // the name of the one that is being made
-  std::optional<int> uv_set = {};  // of its first texture: a mesh has the coordinates of one set
+  std::string material = {};      // the name of the one that is being made
+  std::vector<int> uv_sets = {};  // that its textures use, two at most: a mesh has so many (UvSet)
   // What has been made of the images of the file, so that each is decoded once.
   std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
   std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};

@@ -136,8 +136,9 @@ struct TriangleAxes {
 };
 TriangleAxes ImageAxes(const Mesh& mesh, const glm::uvec3& corners, const Texture& texture) {
   glm::dvec2 place[3];
+  const std::vector<glm::vec2>& uvs = mesh.UvsOf(texture.uv_set);
   for (int i = 0; i < 3; ++i) {
-    place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(mesh.uvs[corners[i]], 1);
+    place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(uvs[corners[i]], 1);
     place[i].y = -place[i].y;
   }
   const glm::dvec3 a(mesh.positions[corners.x]);
@@ -164,7 +165,13 @@ Image HalfSize(const Image& image) {
 
 TextureView TextureTables::view() const {
   if (records.empty()) return {};
-  return {records.data(), levels.data(), texels.data(), uvs.data()};
+  const bool two_uv_sets = std::any_of(records.begin(), records.end(),
+                                       [](const TextureRecord& r) { return r.first_uvs != 0; });
+  return {.records = records.data(),
+          .levels = levels.data(),
+          .texels = texels.data(),
+          .uvs = uvs.data(),
+          .two_uv_sets = two_uv_sets};
 }
 
 std::size_t TextureTables::bytes() const {
@@ -198,6 +205,7 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
                             .wrap_v = texture.wrap_v,
                             .transform = {},
                             .texels = 0,
+                            .first_uvs = 0,
                             .unused = {}};
     for (int column = 0; column < 3; ++column) {
       for (int row = 0; row < 2; ++row) {
@@ -219,7 +227,7 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
 
 TriangleSlopes MakeTriangleSlopes(const Mesh& mesh, const glm::uvec3& corners,
                                   const Texture& texture, int width, int height) {
-  if (!mesh.tangents.empty() || mesh.uvs.empty()) return {};
+  if (!mesh.tangents.empty() || mesh.UvsOf(texture.uv_set).empty()) return {};
   const auto [x, y] = ImageAxes(mesh, corners, texture);
   // These are the sides of a texel, up to a common factor. The second one has a part along the
   // first one, and one across it.
@@ -250,7 +258,7 @@ TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corner
     record.side = usable ? (mesh.tangents[corners.x].w < 0 ? -1.0f : 1.0f) : 0.0f;
     return record;
   }
-  if (mesh.uvs.empty()) return record;
+  if (mesh.UvsOf(texture.uv_set).empty()) return record;
   const auto [x, y] = ImageAxes(mesh, corners, texture);
   const glm::dvec3 a(mesh.positions[corners.x]);
   const glm::dvec3 e1 = glm::dvec3(mesh.positions[corners.y]) - a;
@@ -269,12 +277,13 @@ TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corner
   return record;
 }
 
-TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners) {
+TriangleUvs MakeTriangleUvs(const Mesh& mesh, UvSet set, const glm::uvec3& corners) {
   TriangleUvs record = {};
-  if (mesh.uvs.empty()) return record;
+  const std::vector<glm::vec2>& uvs = mesh.UvsOf(set);
+  if (uvs.empty()) return record;
   for (int i = 0; i < 3; ++i) {
     for (int axis = 0; axis < 2; ++axis) {
-      const float value = mesh.uvs[corners[i]][axis];
+      const float value = uvs[corners[i]][axis];
       // In this order min and max turn NaN into a number.
       record.uv[i][axis] = std::min(std::max(-kMaxCoordinate, value), kMaxCoordinate);
     }
@@ -287,6 +296,15 @@ TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners) {
   const float density = std::sqrt(std::abs(s1 * t2 - s2 * t1) / area);
   record.density = std::isfinite(density) ? density : 0.0f;
   return record;
+}
+
+void AppendSecondUvs(std::span<const TriangleUvs> uvs, std::span<const Texture> textures,
+                     TextureTables& tables) {
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    if (textures[i].uv_set != UvSet::kSecond) continue;
+    tables.records[i].first_uvs = std::uint32_t(tables.uvs.size());
+  }
+  tables.uvs.insert(tables.uvs.end(), uvs.begin(), uvs.end());
 }
 
 }  // namespace skywave

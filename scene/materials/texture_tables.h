@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,9 @@ struct TextureTables {
   std::vector<TextureRecord> records;
   std::vector<TextureLevel> levels;
   std::vector<std::uint32_t> texels;
-  std::vector<TriangleUvs> uvs;  // by triangle; empty if nobody asks for them
+  // By triangle; empty if nobody asks for them. Those of second sets, where a texture uses one,
+  // follow those of all first ones.
+  std::vector<TriangleUvs> uvs;
   // The factor of the slopes in its texels, by texture; it is 1 except for heights.
   std::vector<float> slopes;
 
@@ -29,8 +32,12 @@ struct TextureTables {
 // that are not finite, and more texels than a table can hold.
 TextureTables MakeTextureTables(const Scene& scene, const std::string& path);
 
-// Returns the uvs and their density of one triangle; `corners` are in the order of its record.
-TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners);
+// Returns the uvs of a set and their density of one triangle; `corners` are in the order of its
+// record.
+TriangleUvs MakeTriangleUvs(const Mesh& mesh, UvSet set, const glm::uvec3& corners);
+// Appends those of the second set of all triangles, which stand for what `textures` says.
+void AppendSecondUvs(std::span<const TriangleUvs> uvs, std::span<const Texture> textures,
+                     TextureTables& tables);
 
 // Returns the axes of `texture` on one triangle, by the mesh's tangents or else by its uvs.
 TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,

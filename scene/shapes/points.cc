@@ -32,6 +32,7 @@ void AppendVertex(const Mesh& vertices, std::uint32_t from, const glm::vec3& pos
   mesh.positions.push_back(position);
   mesh.normals.push_back(normal);
   if (!vertices.uvs.empty()) mesh.uvs.push_back(vertices.uvs[from]);
+  if (!vertices.second_uvs.empty()) mesh.second_uvs.push_back(vertices.second_uvs[from]);
   if (!vertices.colors.empty()) mesh.colors.push_back(vertices.colors[from]);
   if (!vertices.alphas.empty()) mesh.alphas.push_back(vertices.alphas[from]);
 }

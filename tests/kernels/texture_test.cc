@@ -103,6 +103,7 @@ class TextureRows : public testing::Test {
           .image = i % 4, .wrap_u = TextureWrap(i % 3), .wrap_v = TextureWrap(i / 3)};
       // Others have all levels of the same image.
       texture.one_level = i == kTextures - 1;
+      texture.uv_set = UvSet(i / 2 % 2);
       texture.transform = {between(-2, 2), between(-1, 1), between(-1, 1),
                            between(-2, 2), between(-3, 3), between(-3, 3)};
       scene_.textures.push_back(texture);
@@ -111,14 +112,18 @@ class TextureRows : public testing::Test {
       materials_[i + 1].alpha = 0.9f, materials_[i + 1].eta[0] = 0.8f;
     }
     materials_[0].alpha = 0.3f, materials_[0].eta[0] = 0.6f;
-    tables_ = MakeTextureTables(scene_, "test");
     for (std::uint32_t i = 0; i < kTriangles; ++i) {
-      TriangleUvs uvs = {};
-      for (auto& corner : uvs.uv) corner[0] = between(-2, 3), corner[1] = between(-2, 3);
-      uvs.density = between(0.1, 3);
-      tables_.uvs.push_back(uvs);
       tangents_.push_back(i % 3 == 0 ? kMirroredTangent : 0);
     }
+    for (std::vector<TriangleUvs>& set : uvs_) {
+      for (std::uint32_t i = 0; i < kTriangles; ++i) {
+        TriangleUvs uvs = {};
+        for (auto& corner : uvs.uv) corner[0] = between(-2, 3), corner[1] = between(-2, 3);
+        uvs.density = between(0.1, 3);
+        set.push_back(uvs);
+      }
+    }
+    MakeTables();
     const SurfaceColumns& s = surfaces_;
     FillWithGarbage(s, kFullWave);
     for (std::uint32_t i = 0; i < kFullWave; ++i) {
@@ -133,11 +138,17 @@ class TextureRows : public testing::Test {
     }
   }
 
+  void MakeTables() {
+    tables_ = MakeTextureTables(scene_, "test");
+    tables_.uvs = uvs_[0];
+    AppendSecondUvs(uvs_[1], scene_.textures, tables_);
+  }
+
   // Returns what row i sees in a texture, in double. `certain` becomes false if rounding may affect
   // the level.
   glm::dvec3 Reference(std::uint32_t i, std::uint32_t index, bool& certain) const {
     const SurfaceColumns& s = surfaces_;
-    const TriangleUvs& t = tables_.uvs[s.triangle[i]];
+    const TriangleUvs& t = uvs_[std::size_t(scene_.textures[index].uv_set)][s.triangle[i]];
     const double b1 = s.u[i], b2 = s.v[i], b0 = 1 - b1 - b2;
     const glm::dvec2 uv(b0 * t.uv[0][0] + b1 * t.uv[1][0] + b2 * t.uv[2][0],
                         b0 * t.uv[0][1] + b1 * t.uv[1][1] + b2 * t.uv[2][1]);
@@ -167,6 +178,8 @@ class TextureRows : public testing::Test {
   Scene scene_;
   soa::Table<SurfaceColumns> surfaces_;
   std::vector<MaterialRecord> materials_;
+  std::vector<TriangleUvs> uvs_[2];  // by set and triangle
+  std::vector<std::uint32_t> tangents_;
   TextureTables tables_;
 };
 
@@ -281,9 +294,7 @@ TEST_F(TextureRows, GrainsTurnCounterClockwise) {
   image.rgb = {0.5f + 0.5f * float(std::cos(0.4)), 0.5f + 0.5f * float(std::sin(0.4)), 0.6f};
   scene_.images.push_back(image);
   for (Texture& texture : scene_.textures) texture.image = std::uint32_t(scene_.images.size() - 1);
-  const std::vector<TriangleUvs> uvs = tables_.uvs;
-  tables_ = MakeTextureTables(scene_, "test");
-  tables_.uvs = uvs;
+  MakeTables();
   for (std::uint32_t i = 1; i <= kTextures; ++i) {
     materials_[i].anisotropy_texture = i;
     materials_[i].grain[0] = float(0.8 * std::cos(0.9)),
@@ -454,6 +465,37 @@ TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
     }
     EXPECT_NEAR(view.uvs[t].density, 0.5, 1e-6);  // a length of 2 in the world is one unit of uv
   }
+}
+
+// A texture of the second coordinates finds them at its own rows of the table; triangles of
+// mixtures, which have records of their own, have both, too.
+TEST(TextureTables, TexturesTakeTheCoordinatesOfTheirSet) {
+  Scene scene;
+  scene.images.emplace_back(1, 1);
+  scene.textures = {{}, {.uv_set = UvSet::kSecond}};
+  Mesh mesh = Quad(1);
+  for (const glm::vec2& uv : mesh.uvs) mesh.second_uvs.push_back(2.0f * uv + 0.25f);
+  const std::uint32_t red = AddLambert(scene, "red", glm::vec3(1, 0, 0));
+  const std::uint32_t blue = AddLambert(scene, "blue", glm::vec3(0, 0, 1));
+  scene.materials[red].color_texture = 0, scene.materials[blue].color_texture = 1;
+  scene.materials.push_back({.name = "both", .mixture = Mixture{red, blue, 0.5f}});
+  Place(scene, mesh, 2, glm::vec3(0));
+  const Geometry geometry(scene, "test");
+  const TextureView view = geometry.textures();
+  ASSERT_TRUE(view.two_uv_sets);
+  for (std::size_t record = 0; record < 6; ++record) {
+    const std::size_t triangle = record < 2 ? record : (record - 2) / 2;
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec2 uv = mesh.uvs[mesh.triangles[triangle][i]];
+      for (const std::uint32_t texture : {0u, 1u}) {
+        const TriangleUvs& uvs = view.uvs[view.records[texture].first_uvs + record];
+        const glm::vec2 expected = texture == 0 ? uv : 2.0f * uv + 0.25f;
+        EXPECT_EQ(glm::vec2(uvs.uv[i][0], uvs.uv[i][1]), expected) << record << texture;
+      }
+    }
+  }
+  scene.textures[1].uv_set = UvSet::kFirst;
+  EXPECT_FALSE(Geometry(scene, "test").textures().two_uv_sets);
 }
 
 TEST(TextureTables, MissingImagesAndBadTransformsAreRefused) {

@@ -321,6 +321,40 @@ TEST(GltfMeshes, AttributesMayBeInterleavedAndMaterialsChooseTheirCoordinates) {
   EXPECT_EQ(mesh().uvs.at(2), glm::vec2(0.3f, 2.4f));
 }
 
+// The textures of a material have the coordinates of two sets, in the order in which its textures
+// name them; a third set, and a mesh that lacks what its textures use, are named.
+TEST_F(Gltf, TexturesHaveTwoSetsOfCoordinates) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}, {"texCoord", 1}};
+  material["normalTexture"] = {{"index", 0}};
+  // The positions' first numbers, (0, 0), (0, 2) and (0, 0), are the second set.
+  document["bufferViews"].push_back(View(0, 24));
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}});
+  json& attributes = document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_1"] = 4;
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& paint = scene.materials[scene.meshes[0].material];
+  EXPECT_EQ(scene.textures[paint.color_texture.value()].uv_set, UvSet::kFirst);
+  EXPECT_EQ(scene.textures[paint.normal_texture.value()].uv_set, UvSet::kSecond);
+  EXPECT_EQ(scene.meshes[0].uvs.at(1), glm::vec2(0, 2));
+  EXPECT_EQ(scene.meshes[0].second_uvs.at(1), glm::vec2(1, 0));
+
+  attributes.erase("TEXCOORD_1");
+  material["emissiveFactor"] = {1, 1, 1};
+  material["emissiveTexture"] = {{"index", 0}, {"texCoord", 2}};
+  const std::vector<std::string> warnings = Read(document).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  const std::string said = warnings[0] + warnings[1];
+  EXPECT_NE(said.find("more than two sets of texture coordinates"), std::string::npos) << said;
+  EXPECT_NE(said.find("textures use TEXCOORD_1, which it lacks"), std::string::npos) << said;
+}
+
 TEST_F(Gltf, UnsupportedFeaturesAreNamed) {
   json document = Document();
   document["materials"][0]["extensions"] = {{"KHR_materials_diffuse_transmission", json::object()},

@@ -46,6 +46,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.normals.assign(3, {0, 0, 1});
   mesh.uvs.assign(3, {0, 0});
+  mesh.second_uvs.assign(3, {0, 0});
   mesh.tangents.assign(3, {1, 0, 0, 1});
   mesh.colors.assign(3, glm::vec3(1));
   mesh.alphas.assign(3, 1.0f);
@@ -67,6 +68,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
       {"position", [](Scene& s) { s.meshes[0].positions[1].z = 1; }},
       {"normal", [](Scene& s) { s.meshes[0].normals[1].z = -1; }},
       {"uv", [](Scene& s) { s.meshes[0].uvs[1].y = 1; }},
+      {"second uv", [](Scene& s) { s.meshes[0].second_uvs[1].y = 1; }},
       {"tangent", [](Scene& s) { s.meshes[0].tangents[1].w = -1; }},
       {"colour of a vertex", [](Scene& s) { s.meshes[0].colors[1].y = 0; }},
       {"alpha of a vertex", [](Scene& s) { s.meshes[0].alphas[1] = 0; }},
@@ -85,6 +87,7 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
       {"wrap along v", [](Scene& s) { s.textures[0].wrap_v = TextureWrap::kClamp; }},
       {"transform of a texture", [](Scene& s) { s.textures[0].transform[2].y = 1; }},
       {"use of a texture", [](Scene& s) { s.textures[0].use = TextureUse::kHeights; }},
+      {"coordinates of a texture", [](Scene& s) { s.textures[0].uv_set = UvSet::kSecond; }},
       {"kind of camera", [](Scene& s) { s.camera->kind = CameraKind::kFisheye; }},
       {"place of the camera", [](Scene& s) { s.camera->world_from_camera[3].y = 1; }},
       {"angle", [](Scene& s) { s.camera->fov_degrees = 46; }},
