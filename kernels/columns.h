@@ -43,7 +43,8 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(RoughThinDielectric)       \
   BSDF(GlossyDiffuse)             \
   BSDF(FresnelBlend)              \
-  BSDF(LayeredMetallicRoughness)
+  BSDF(LayeredMetallicRoughness)  \
+  BSDF(CoatedDiffuseTransmission)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \

@@ -29,7 +29,9 @@ float FractionOf(GltfTextures& context, const tinygltf::Value& extension, const 
 constexpr const char* kAnisotropy = "KHR_materials_anisotropy";
 constexpr const char* kCoat = "KHR_materials_clearcoat";
 constexpr const char* kCoatNormals = "clearcoatNormalTexture";
+constexpr const char* kDiffuseTransmission = "KHR_materials_diffuse_transmission";
 constexpr const char* kFilm = "KHR_materials_iridescence";
+constexpr const char* kSheen = "KHR_materials_sheen";
 constexpr const char* kSpecular = "KHR_materials_specular";
 constexpr const char* kTransmission = "KHR_materials_transmission";
 constexpr const char* kUnlit = "KHR_materials_unlit";
@@ -44,11 +46,12 @@ struct KnownExtension {
 const KnownExtension kMaterialExtensions[] = {
     {"KHR_materials_ior"},
     {kTransmission, {"transmissionTexture"}},
+    {kDiffuseTransmission, {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"}},
     {kUnlit},
     // A thickness is for renderers that do not trace rays through the volume.
     {kVolume, {"thicknessTexture"}},
     {kCoat, {"clearcoatTexture", "clearcoatRoughnessTexture", kCoatNormals}},
-    {"KHR_materials_sheen", {"sheenColorTexture", "sheenRoughnessTexture"}},
+    {kSheen, {"sheenColorTexture", "sheenRoughnessTexture"}},
     {kSpecular, {"specularTexture", "specularColorTexture"}},
     {kAnisotropy, {"anisotropyTexture"}},
     {kFilm, {"iridescenceTexture", "iridescenceThicknessTexture"}},
@@ -235,7 +238,7 @@ void AddLayer(bool textures, Material& material) {
 // is a mixture, as the extension's layer is linear in its strength.
 Material Layered(GltfTextures& context, const tinygltf::Material& from, Material base) {
   SetLayers(context, from, base);
-  if (const auto* const sheen = GltfExtension(from, "KHR_materials_sheen")) {
+  if (const auto* const sheen = GltfExtension(from, kSheen)) {
     const glm::vec3 color = GltfColor(*sheen, "sheenColorFactor", glm::vec3(0));
     for (int c = 0; c < 3; ++c) base.sheen[c] = Fraction(context, "sheenColorFactor", color[c]);
     const float roughness = FractionOf(context, *sheen, "sheenRoughnessFactor", 0);
@@ -298,13 +301,42 @@ Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Ma
   return glass;
 }
 
-// Returns what glTF calls the material, a mix of metal and dielectric by `metallic`, where the
-// dielectric is a mix of glass and an opaque body by the transmission.
+// Returns what an extension mixes in: a factor times a channel of a texture, or nothing without the
+// extension.
+GltfShare ShareOf(GltfTextures& context, const tinygltf::Value* extension, const char* factor,
+                  const char* texture, int channel) {
+  if (extension == nullptr) return {0};
+  return AddGltfShare(context, TextureInfo(*extension, texture), channel,
+                      FractionOf(context, *extension, factor, 0));
+}
+
+// Returns the coat over a body that lets everything through, in the colour of the extension.
+Material SheetOf(GltfTextures& context, const tinygltf::Material& from, const Material& base) {
+  const tinygltf::Value& extension = *GltfExtension(from, kDiffuseTransmission);
+  if (const auto* const volume = GltfExtension(from, kVolume);
+      volume != nullptr && GltfNumber(*volume, "thicknessFactor", 0) > 0) {
+    WarnOfMaterial(context, "KHR_materials_volume: what is transmitted diffusely is not absorbed");
+  }
+  Material sheet = Named(base, "sheet");
+  sheet.bsdf = BsdfKind::kCoatedDiffuseTransmission;
+  sheet.metallic = 0;
+  const glm::vec3 color = GltfColor(extension, "diffuseTransmissionColorFactor", glm::vec3(1));
+  for (int c = 0; c < 3; ++c) {
+    sheet.reflectance[c] = Fraction(context, "diffuseTransmissionColorFactor", color[c]);
+  }
+  sheet.color_texture =
+      TextureOf(context, extension, "diffuseTransmissionColorTexture", Encoding::kSrgb);
+  return sheet;
+}
+
+// Returns what glTF calls the material, a mix of metal and dielectric by `metallic`. The dielectric
+// is a mix of glass and a body by the transmission, and the body one of a sheet and an opaque one
+// by the diffuse transmission.
 Material Transmitting(GltfTextures& context, const tinygltf::Material& from, Material base) {
-  const tinygltf::Value& extension = *GltfExtension(from, kTransmission);
-  const float factor = FractionOf(context, extension, "transmissionFactor", 0);
-  const GltfShare glass =
-      AddGltfShare(context, TextureInfo(extension, "transmissionTexture"), 0, factor);
+  const GltfShare glass = ShareOf(context, GltfExtension(from, kTransmission), "transmissionFactor",
+                                  "transmissionTexture", 0);
+  const GltfShare sheet = ShareOf(context, GltfExtension(from, kDiffuseTransmission),
+                                  "diffuseTransmissionFactor", "diffuseTransmissionTexture", 3);
   GltfShare metal = {base.metallic};
   const bool textured = base.roughness_texture.has_value() && base.metallic > 0;
   if (textured) {
@@ -312,8 +344,11 @@ Material Transmitting(GltfTextures& context, const tinygltf::Material& from, Mat
                          2, base.metallic);
   }
   const bool all_metal = !metal.texture && metal.number >= 1;
-  if (!(glass.number > 0) || all_metal) return Layered(context, from, std::move(base));
+  if (!(glass.number > 0 || sheet.number > 0) || all_metal) {
+    return Layered(context, from, std::move(base));
+  }
   constexpr std::pair<const char*, const char*> kOpaqueOnly[] = {{kCoat, "the coat"},
+                                                                 {kSheen, "the sheen"},
                                                                  {kSpecular, "its colour"},
                                                                  {kAnisotropy, "its grain"},
                                                                  {kFilm, "the film"}};
@@ -322,11 +357,18 @@ Material Transmitting(GltfTextures& context, const tinygltf::Material& from, Mat
     WarnOfMaterial(context,
                    fmt::format("{}: what transmits is rendered without {}", extension_name, what));
   }
-  Material opaque = Named(base, "opaque");
-  opaque.metallic = 0;
-  Material dielectric = GlassOf(context, from, base);
-  if (glass.texture || glass.number < 1) {
-    dielectric = Mix(context, Layered(context, from, opaque), std::move(dielectric), glass);
+  const auto partial = [](const GltfShare& share) { return share.texture || share.number < 1; };
+  const auto body = [&] {
+    Material opaque = Named(base, "opaque");
+    opaque.metallic = 0;
+    if (partial(sheet)) opaque = Layered(context, from, std::move(opaque));
+    if (!(sheet.number > 0)) return opaque;
+    Material whole = SheetOf(context, from, base);
+    return partial(sheet) ? Mix(context, std::move(opaque), std::move(whole), sheet) : whole;
+  };
+  Material dielectric = partial(glass) ? body() : GlassOf(context, from, base);
+  if (partial(glass) && glass.number > 0) {
+    dielectric = Mix(context, std::move(dielectric), GlassOf(context, from, base), glass);
   }
   if (!metal.texture && !(metal.number > 0)) return dielectric;
   Material metallic = Named(base, "metal");
@@ -407,20 +449,33 @@ Material Unlit(GltfTextures& context, const tinygltf::Material& from, const Mate
   return material;
 }
 
+bool Transmits(const tinygltf::Material& from) {
+  return GltfExtension(from, kTransmission) != nullptr ||
+         GltfExtension(from, kDiffuseTransmission) != nullptr;
+}
+
+// Returns whether a mesh with colours of vertices has another material than one without.
+bool TintMatters(const tinygltf::Material& from) {
+  return IsUnlit(from) || GltfExtension(from, kDiffuseTransmission) != nullptr;
+}
+
 Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from, bool tinted) {
   WarnOfWhatIsLeftOut(context, from);
+  if (tinted && GltfExtension(from, kDiffuseTransmission) != nullptr) {
+    WarnOfMaterial(context, "colours of vertices tint what is transmitted diffusely, too");
+  }
   Material base = BaseOf(context, from);
   Material material;
   if (IsUnlit(from)) {
     material = Unlit(context, from, base, tinted);
-  } else if (GltfExtension(from, kTransmission) != nullptr) {
+  } else if (Transmits(from)) {
     material = Transmitting(context, from, std::move(base));
   } else {
     material = Layered(context, from, std::move(base));
   }
   material.name = from.name;
   // What transmits is seen from inside, too.
-  material.one_sided = !from.doubleSided && GltfExtension(from, kTransmission) == nullptr;
+  material.one_sided = !from.doubleSided && !Transmits(from);
   SetOpacity(context, from, material);
   if (!IsUnlit(from)) SetEmission(context, from, material);
   return material;
@@ -471,7 +526,7 @@ const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
     throw InputError(InputPosition::File(textures_.path),
                      fmt::format("there is no material {}", index));
   }
-  const bool tinted = index >= 0 && IsUnlit(materials[std::size_t(index)]) &&
+  const bool tinted = index >= 0 && TintMatters(materials[std::size_t(index)]) &&
                       primitive.attributes.contains("COLOR_0");
   const auto [known, is_new] = used_.try_emplace({std::max(index, -1), tinted});
   if (!is_new) return known->second;

@@ -8,6 +8,10 @@
 //                                    reflects once
 //   KHR_materials_volume             (with transmission, thickness above 0) a dielectric that
 //                                    absorbs by attenuationColor and attenuationDistance
+//   KHR_materials_diffuse_transmission
+//                                    a share of a sheet that lets light through diffusely
+//                                    (kernels/bsdf/coated_diffuse_transmission.cc), with its
+//                                    textures
 //   KHR_materials_clearcoat          a coat (kernels/bsdf/coat-inl.h) with its textures, of the
 //                                    normals of the base
 //   KHR_materials_sheen              sheen with its textures

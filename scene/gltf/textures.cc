@@ -199,8 +199,11 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
 
 GltfShare AddGltfShare(GltfTextures& textures, const GltfTextureInfo& info, int channel,
                        float factor) {
-  const auto texture = AddGltfTexture(textures, info, Encoding::kLinear, TextureUse::kColor);
+  const bool alpha = channel == 3;
+  const auto texture = AddGltfTexture(textures, info, alpha ? Encoding::kAlpha : Encoding::kLinear,
+                                      TextureUse::kColor);
   if (!texture) return {factor};
+  if (alpha) channel = 0;
   Scene& scene = textures.scene;
   const std::uint32_t whole = scene.textures[*texture].image;
   const auto [known, is_new] = textures.channels.try_emplace({whole, channel, factor}, 0);

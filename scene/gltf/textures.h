@@ -59,7 +59,7 @@ struct GltfShare {
   std::optional<std::uint32_t> texture = {};
 };
 GltfShare AddGltfShare(GltfTextures& textures, const GltfTextureInfo& info, int channel,
-                       float factor);
+                       float factor);  // channel 3 is alpha
 
 // Returns the object of an extension of a material, or null if it lacks it.
 const tinygltf::Value* GltfExtension(const tinygltf::Material& from, const char* name);

@@ -146,7 +146,7 @@ TEST_F(Info, ListsTheParametersOfEveryBsdf) {
       }
     }
   }
-  EXPECT_EQ(seen.size(), kBsdfKinds - 5);
+  EXPECT_EQ(seen.size(), kBsdfKinds - 6);
   const auto& phong = json.at("materials").at(4);
   EXPECT_EQ(phong.at("gloss"), nlohmann::json({0.4f, 0.4f, 0.4f})) << phong;
   EXPECT_EQ(phong.at("alpha"), 0.15f) << phong;

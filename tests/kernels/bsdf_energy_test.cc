@@ -163,6 +163,29 @@ TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
   }
 }
 
+// What the coat does not reflect passes, so a white sheet loses nothing; a black one has the coat.
+TEST(BsdfEnergy, WhiteSheetsUnderACoatLoseNothing) {
+  for (const float alpha : {0.02f, 0.1f, 0.37f, 1.0f}) {
+    for (const float ior : {1.0f, 1.5f, 2.2f}) {
+      const auto albedo = [&](float color, double cosine) {
+        const MaterialRecord sheet = PackMaterial({.bsdf = BsdfKind::kCoatedDiffuseTransmission,
+                                                   .reflectance = glm::vec3(color),
+                                                   .alpha = alpha,
+                                                   .ior = ior},
+                                                  {});
+        return Albedo({"", BsdfKind::kCoatedDiffuseTransmission, sheet}, cosine)[1];
+      };
+      for (const double cosine : kCosines) {
+        EXPECT_NEAR(albedo(1, cosine), 1, 6e-3)
+            << "alpha " << alpha << ", ior " << ior << ", cosine " << cosine;
+      }
+      const double f0 = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+      const double coat = albedo(0, 1);
+      EXPECT_TRUE(alpha > 0.3f || std::fabs(coat - f0) < 1e-3 + 0.02 * f0) << coat << ", " << f0;
+    }
+  }
+}
+
 // Its two lobes lose what a white conductor of the same width loses.
 TEST(BsdfEnergy, WhiteRoughPanesLoseNothing) {
   for (const float alpha : {0.02f, 0.1f, 0.37f, 1.0f}) {

@@ -175,6 +175,7 @@ TEST(ControlVariate, EveryDiffusePartIsControlled) {
         material.kind == BsdfKind::kGlossyDiffuse || material.kind == BsdfKind::kFresnelBlend ||
         material.kind == BsdfKind::kCoatedMetallicRoughness ||
         material.kind == BsdfKind::kLayeredMetallicRoughness ||
+        material.kind == BsdfKind::kCoatedDiffuseTransmission ||
         material.kind == BsdfKind::kCoatedDiffuse;
     EXPECT_EQ(Integral(material, table, kShading).x > 0, diffuse) << material.name;
   }

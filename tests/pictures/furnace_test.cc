@@ -95,6 +95,8 @@ std::vector<FurnaceCase> Cases() {
     Material sheet = White(BsdfKind::kDiffuseTransmission);
     sheet.reflectance = glm::vec3(0.4f), sheet.second_color = glm::vec3(0.6f);
     cases.push_back({"Sheet" + shading, sheet, smooth, mean, block});
+    cases.push_back({"Shade" + shading, White(BsdfKind::kCoatedDiffuseTransmission, 0.3f), smooth,
+                     mean + 2e-3, block + 4e-3});
     Material mixed;
     mixed.mixture = Mixture{0, 1, 0.4f};
     cases.push_back({"Mixture" + shading, mixed, smooth, mean, block});

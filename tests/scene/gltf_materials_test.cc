@@ -296,6 +296,55 @@ TEST_F(Gltf, TransmissionIsAShareOfGlass) {
 
 // The red channel of its texture is the transmission, the blue one of that of roughness the metal;
 // all glass has the texture of the base colour.
+// KHR_materials_diffuse_transmission mixes a sheet into the opaque part of the dielectric, by the
+// alpha of its texture; metal has none of it.
+TEST_F(Gltf, DiffuseTransmissionIsAShareOfASheet) {
+  WritePng(folder_.Write("t.png", ""), 2, 1, {255, 128, 51, 0, 64, 204});
+  json document = Document();
+  document["images"] = {{{"uri", "t.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["pbrMetallicRoughness"] = {{"metallicFactor", 0}, {"roughnessFactor", 0.5}};
+  json& extensions = material["extensions"];
+  json& sheet = extensions["KHR_materials_diffuse_transmission"];
+  sheet = {{"diffuseTransmissionFactor", 0.25},
+           {"diffuseTransmissionColorFactor", {0.5, 0.75, 1}},
+           {"diffuseTransmissionTexture", {{"index", 0}}},
+           {"diffuseTransmissionColorTexture", {{"index", 0}}}};
+  const Scene scene = Read(document);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& leaf = Body(scene);
+  ASSERT_TRUE(leaf.mixture);
+  EXPECT_FALSE(leaf.one_sided);
+  EXPECT_EQ(leaf.mixture->share, 0.25f) << "a picture without alpha is opaque";
+  EXPECT_EQ(scene.materials[leaf.mixture->first].bsdf, BsdfKind::kMetallicRoughness);
+  const Material& passes = scene.materials[leaf.mixture->second];
+  EXPECT_EQ(passes.bsdf, BsdfKind::kCoatedDiffuseTransmission);
+  EXPECT_EQ(passes.reflectance, glm::vec3(0.5f, 0.75f, 1));
+  EXPECT_TRUE(passes.color_texture);
+  EXPECT_EQ(passes.alpha, 0.25f);
+
+  sheet["diffuseTransmissionFactor"] = 1;
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kCoatedDiffuseTransmission);
+  // Glass goes before the sheet.
+  extensions["KHR_materials_transmission"] = {{"transmissionFactor", 0.4}};
+  const Scene both = Read(document);
+  ASSERT_TRUE(Body(both).mixture);
+  EXPECT_EQ(Body(both).mixture->share, 0.4f);
+  EXPECT_EQ(both.materials[Body(both).mixture->first].bsdf, BsdfKind::kCoatedDiffuseTransmission);
+  EXPECT_EQ(both.materials[Body(both).mixture->second].bsdf, BsdfKind::kRoughThinDielectric);
+  extensions.erase("KHR_materials_transmission");
+  extensions["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+  extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {1, 1, 1}}};
+  const std::vector<std::string> warnings = Read(document).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  const std::string said = warnings[0] + warnings[1];
+  EXPECT_NE(said.find("not absorbed"), std::string::npos) << said;
+  EXPECT_NE(said.find("without the sheen"), std::string::npos) << said;
+  material["pbrMetallicRoughness"]["metallicFactor"] = 1;
+  EXPECT_FALSE(Body(Read(document)).mixture) << "metal lets nothing through";
+}
+
 TEST_F(Gltf, TransmissionHasTheTexturesOfTheMaterial) {
   WritePng(folder_.Write("a.png", ""), 2, 1, {255, 0, 0, 51, 255, 255});
   WritePng(folder_.Write("m.png", ""), 2, 1, {0, 128, 0, 0, 128, 255});

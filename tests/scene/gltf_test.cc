@@ -357,11 +357,11 @@ TEST_F(Gltf, TexturesHaveTwoSetsOfCoordinates) {
 
 TEST_F(Gltf, UnsupportedFeaturesAreNamed) {
   json document = Document();
-  document["materials"][0]["extensions"] = {{"KHR_materials_diffuse_transmission", json::object()},
+  document["materials"][0]["extensions"] = {{"KHR_materials_dispersion", json::object()},
                                             {"KHR_materials_variants", json::object()}};
   const std::vector<std::string> warnings = Read(document).warnings;
   ASSERT_EQ(warnings.size(), 2u);
-  for (const char* const word : {"KHR_materials_variants", "KHR_materials_diffuse_transmission"}) {
+  for (const char* const word : {"KHR_materials_variants", "KHR_materials_dispersion"}) {
     EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [&](const std::string& text) {
       return text.find(word) != std::string::npos;
     })) << word;
@@ -372,11 +372,11 @@ TEST_F(Gltf, UnsupportedFeaturesAreNamed) {
 TEST_F(Gltf, WarningsOfManyMaterialsAreOneLine) {
   json document = Document();
   json& primitives = document["meshes"][0]["primitives"];
-  document["extensionsRequired"] = {"KHR_materials_diffuse_transmission"};
+  document["extensionsRequired"] = {"KHR_materials_dispersion"};
   for (int i = 0; i < 5; ++i) {
     document["materials"].push_back(
         {{"name", std::string("m") + char('0' + i)},
-         {"extensions", {{"KHR_materials_diffuse_transmission", json::object()}}}});
+         {"extensions", {{"KHR_materials_dispersion", json::object()}}}});
     primitives.push_back(primitives[0]);
     primitives.back()["material"] = i + 1;
   }

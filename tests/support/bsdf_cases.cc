@@ -205,6 +205,12 @@ std::vector<MaterialCase> MakeDenseCases() {
   list.push_back({"Satin", kCoatedDiffuse, RecordWithCoat(Lacquered(0.4f, 1.8f))});
   list.push_back({"Misty", kCoatedDiffuse, RecordWithCoat(Misty(Lacquered(0.2f, 1.33f)))});
   for (const float alpha : {0.05f, 0.4f, 1.0f}) {
+    list.push_back({"Shade" + std::to_string(int(alpha * 100)), kCoatedDiffuseTransmission,
+                    PackMaterial({.bsdf = kCoatedDiffuseTransmission,
+                                  .reflectance = {0.9f, 0.6f, 0.2f},
+                                  .alpha = alpha,
+                                  .ior = 1.8f},
+                                 {})});
     list.push_back({"Pane" + std::to_string(int(alpha * 100)), kRoughThinDielectric,
                     PackMaterial({.bsdf = kRoughThinDielectric,
                                   .reflectance = {0.9f, 0.6f, 0.2f},
@@ -318,6 +324,10 @@ std::vector<Material> BeyondTheBuiltinOnes() {
            .reflectance = {0.9f, 0.7f, 0.3f},
            .alpha = 0.2f,
            .reflection = glm::vec3(1)},
+          {.name = "lamp shade",
+           .bsdf = BsdfKind::kCoatedDiffuseTransmission,
+           .reflectance = {0.9f, 0.7f, 0.3f},
+           .alpha = 0.2f},
           {.name = "toy brick",
            .bsdf = BsdfKind::kGlossyDiffuse,
            .reflectance = {0.5f, 0.1f, 0.1f},

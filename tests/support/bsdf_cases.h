@@ -32,6 +32,7 @@ MaterialRecord Keeping(MaterialRecord anisotropic);
 // pass.
 inline std::optional<double> TransmissionRatio(const MaterialCase& material) {
   if (material.kind == BsdfKind::kDiffuseTransmission ||
+      material.kind == BsdfKind::kCoatedDiffuseTransmission ||
       material.kind == BsdfKind::kRoughThinDielectric) {
     return 1;
   }

@@ -160,7 +160,42 @@ double TableAt(const float* table, double alpha, double cosine) {
   return std::lerp(above, below, r - double(row));
 }
 
+double MeanAt(const float* table, double alpha) {
+  const double row = std::sqrt(alpha) * (kAlbedoRows - 1);
+  const auto low = std::min(std::size_t(row), std::size_t(kAlbedoRows - 1));
+  return std::lerp(double(table[low]), double(table[low + 1]), row - double(low));
+}
+
 namespace {
+
+// A coat of Schlick's reflectance over a body that lets through everything that the coat does.
+FormulaValue CoatedDiffuseTransmissionFormula(const MaterialRecord& m, Vec wo, Vec wi) {
+  const double f0 = Square((m.ior - 1.0) / (m.ior + 1.0));
+  const auto through = [&](double cosine) {
+    return 1 - std::lerp(TableAt(GgxTables().grazing, m.alpha, std::fabs(cosine)),
+                         TableAt(GgxTables().albedo, m.alpha, std::fabs(cosine)), f0);
+  };
+  const double mean = 1 - std::lerp(MeanAt(GgxTables().mean_grazing, m.alpha),
+                                    MeanAt(GgxTables().padded_mean_albedo, m.alpha), f0);
+  const double coat = 1 - through(wo.z), rest = through(wo.z) * LuminanceOf(m.color);
+  const double share = std::clamp(coat / (coat + rest), 0.1, 0.9);
+  FormulaValue out;
+  if (wi.z > 0) {
+    const Vec h = HalfOf(wo, wi);
+    const double lobe = GgxDensity(h, m.alpha, m.alpha) / (4 * wo.z);
+    const double lo = GgxLambda(wo, m.alpha, m.alpha), li = GgxLambda(wi, m.alpha, m.alpha);
+    const double fresnel = f0 + (1 - f0) * Power5(1 - std::min(Dot(wo, h), 1.0));
+    for (double& c : out.rgb) c = fresnel * lobe / (1 + lo + li);
+    out.pdf = share * lobe / (1 + lo);
+  } else {
+    const double cosine = std::fabs(wi.z) / kPi;
+    for (int c = 0; c < 3; ++c) {
+      out.rgb[c] = m.color[c] * through(wo.z) * through(wi.z) / mean * cosine;
+    }
+    out.pdf = (1 - share) * cosine;
+  }
+  return out;
+}
 
 // A conductor's lobe that reflects by glass's Fresnel, and one that is mirrored to the other side;
 // and what both lose, of which diffuse light's share goes through (Kulla and Conty 2017).
@@ -175,11 +210,7 @@ FormulaValue RoughThinDielectricFormula(const MaterialRecord& m, Vec wo, Vec wi)
   double value = lobe / (1 + lo + li);
   if (m.multiscatter[1] > 0) {
     const auto lost = [&](Vec w) { return LostByGgx(m.alpha, w.z); };
-    const double row = std::sqrt(double(m.alpha)) * (kAlbedoRows - 1);
-    const auto low = std::size_t(row);
-    const double mean =
-        std::lerp(double(GgxTables().padded_mean_albedo[low]),
-                  double(GgxTables().padded_mean_albedo[low + 1]), row - double(low));
+    const double mean = MeanAt(GgxTables().padded_mean_albedo, m.alpha);
     const double through = DiffuseTransmittanceOf(m.ior);
     const double share = (reflects ? 1 - through : through) * up.z / kPi;
     value += share * lost(wo) * lost(up) / (1 - mean);
@@ -432,6 +463,8 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
     case BsdfKind::kCoatedConductor:
     case BsdfKind::kCoatedDiffuse:
       return TabledCoatFormula(material, wo, wi);
+    case BsdfKind::kCoatedDiffuseTransmission:
+      return CoatedDiffuseTransmissionFormula(m, wo, wi);
     case BsdfKind::kRoughThinDielectric:
       return RoughThinDielectricFormula(m, wo, wi);
     case BsdfKind::kGlossyDiffuse:

@@ -14,6 +14,9 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
+// Returns what a padded table of means has for a width.
+double MeanAt(const float* table, double alpha);
+
 // These interpolate the tables of kernels/bsdf/conductor_tables.h: for one width, bilinearly in the
 // square roots, and for two.
 double TableAt(const float* table, double alpha, double cosine);

@@ -9,6 +9,14 @@ namespace skywave {
 
 inline double Square(double x) { return x * x; }
 
+template <class Rgb>
+double LuminanceOf(const Rgb& rgb) {
+  return double(kLuminance[0]) * rgb[0] + double(kLuminance[1]) * rgb[1] +
+         double(kLuminance[2]) * rgb[2];
+}
+
+inline double Power5(double x) { return Square(Square(x)) * x; }
+
 inline Vec HalfOf(Vec wo, Vec wi) { return Unit(wo + wi); }
 
 inline double RealFresnel(double cosine, double ratio) {  // `ratio`: near index over far index

@@ -8,9 +8,6 @@
 namespace skywave {
 namespace {
 
-double LuminanceOf(const double (&rgb)[3]) {
-  return kLuminance[0] * rgb[0] + kLuminance[1] * rgb[1] + kLuminance[2] * rgb[2];
-}
 double GlossProbability(double gloss, double body) {
   return std::clamp(gloss / (gloss + body), 0.1, 0.9);
 }

@@ -25,17 +25,7 @@ dvec3 ColorOf(const MaterialCase& material, std::size_t column) {
 double Width(double factor, double roughness) {
   return std::clamp(factor * Square(roughness), 1e-3, 1.0);
 }
-double MeanAt(const float* table, double alpha) {
-  const double row = std::sqrt(alpha) * (kAlbedoRows - 1);
-  const auto low = std::min(std::size_t(row), std::size_t(kAlbedoRows - 1));
-  return std::lerp(double(table[low]), double(table[low + 1]), row - double(low));
-}
-double LuminanceOf(const dvec3& rgb) {
-  return double(kLuminance[0]) * rgb.x + double(kLuminance[1]) * rgb.y +
-         double(kLuminance[2]) * rgb.z;
-}
 double LargestOf(const dvec3& rgb) { return std::max({rgb.x, rgb.y, rgb.z}); }
-double Power5(double x) { return Square(Square(x)) * x; }
 
 // The mean of AnisotropicAlbedoAt over diffuse light.
 double AnisotropicMeanAt(double along, double across) {

@@ -247,7 +247,7 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
   if (lobe < 1) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
   const dvec3 h = VisibleNormal(LobeWidths(m)[lobe < 2 ? 0 : 1], wo, random);
   const dvec3 wi = 2 * glm::dot(wo, h) * h - wo;
-  if (m.bsdf != BsdfKind::kRoughThinDielectric || random() < 0.5) return wi;
+  if (!Transmits(m) || random() < 0.5) return wi;
   return wi.z > 0 ? dvec3(wi.x, wi.y, -wi.z) : dvec3(0);
 }
 
