@@ -68,7 +68,11 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   Camera camera =
       of_scene ? *of_scene : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
-  if (request.fov_degrees) camera.fov_degrees = *request.fov_degrees;
+  if (request.fov_degrees) {
+    camera.fov_degrees = *request.fov_degrees;
+    // The angle is across the shorter side of the film, and not of the view that a file describes.
+    if (camera.kind == CameraKind::kPerspective && camera.square_pixels) camera.window.reset();
+  }
   if (request.eye || request.target || request.up) {
     const glm::vec3 eye = request.eye.value_or(glm::vec3(camera.world_from_camera[3]));
     const glm::vec3 ahead = eye + glm::vec3(camera.world_from_camera[2]);

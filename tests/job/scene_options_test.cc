@@ -169,6 +169,20 @@ TEST(Lens, OfAScaledCameraIsInUnitsOfTheWorld) {
   EXPECT_EQ(Choose(scene, request).focal_distance, Camera().focal_distance);
 }
 
+// A file of glTF describes a view, which the film shows whole; an angle that is asked for is across
+// the shorter side of the film, whatever that view was.
+TEST(SceneCamera, AnAngleIsAcrossTheFilmAndNotAcrossTheViewOfTheFile) {
+  GltfDocument document = TriangleDocument();
+  document.json["cameras"][0]["perspective"]["aspectRatio"] = 3;
+  const Scene scene = ParseGltf(document.text(), "a.gltf");
+  CameraRequest request;
+  ASSERT_TRUE(Choose(scene, request).window);
+  EXPECT_EQ(Choose(scene, request).window->right, 3);
+  request.fov_degrees = 40.0f;
+  EXPECT_FALSE(Choose(scene, request).window);
+  EXPECT_EQ(Choose(scene, request).fov_degrees, 40);
+}
+
 TEST(SceneCamera, IsFoundByItsName) {
   const Scene scene = ParseGltf(TriangleDocument().text(), "a.gltf");
   CameraRequest request;
