@@ -231,15 +231,17 @@ std::uint32_t PackTexel(const float* rgb) {
   if (!(brightest > 0)) return 0;
   // The brightest mantissa is at least 2^8; rounding may lift it to 2^9, which takes the next
   // exponent.
-  int exponent = std::ilogb(brightest) - int(kMantissaBits - 1) + int(kMaxExponent);
-  exponent = std::clamp(exponent, 0, int(kMaxExponent));
-  if (std::lround(std::ldexp(brightest, int(kMaxExponent) - exponent)) > long{kMantissa}) {
-    exponent = std::min(exponent + 1, int(kMaxExponent));
-  }
+  const int power = int(std::bit_cast<std::uint32_t>(brightest) >> 23) - 127;
+  int exponent =
+      std::clamp(power - int(kMantissaBits - 1) + int(kMaxExponent), 0, int(kMaxExponent));
+  const auto rounded = [&](float value) {
+    const double scale = double(std::uint64_t{1} << (int(kMaxExponent) - exponent));
+    return std::uint32_t(value * scale + 0.5);
+  };
+  if (rounded(brightest) > kMantissa) exponent = std::min(exponent + 1, int(kMaxExponent));
   std::uint32_t packed = std::uint32_t(exponent) << 3 * kMantissaBits;
   for (int c = 0; c < 3; ++c) {
-    const long rounded = std::lround(std::ldexp(channel[c], int(kMaxExponent) - exponent));
-    packed |= std::min(std::uint32_t(rounded), kMantissa) << c * kMantissaBits;
+    packed |= std::min(rounded(channel[c]), kMantissa) << c * kMantissaBits;
   }
   return packed;
 }

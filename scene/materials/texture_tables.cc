@@ -1,10 +1,12 @@
 #include "scene/materials/texture_tables.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "base/error.h"
@@ -17,38 +19,61 @@ constexpr std::size_t kMaxTexels = std::size_t{1} << 29;
 // Coordinates beyond this have lost the position within a texel anyway.
 constexpr float kMaxCoordinate = 1e6f;
 
-// Halves one direction of an image of `lines` lines of `count` texels, which are its rows or its
-// columns.
-std::vector<double> HalveLines(const std::vector<double>& from, std::size_t count,
-                               std::size_t lines, bool along_rows) {
+// The texels of a line that lie in one of the equal parts that it is halved into, and their shares
+// of the part. A part is as long as two texels, or up to three of a line of an odd number.
+struct Overlap {
+  std::size_t first, count;
+  double share[3];
+};
+std::vector<Overlap> Halve(std::size_t count) {
   const std::size_t half = std::max<std::size_t>(count / 2, 1);
   const double step = double(count) / double(half);
-  std::vector<double> to(half * lines * 3);
-  for (std::size_t line = 0; line < lines; ++line) {
-    for (std::size_t i = 0; i < half; ++i) {
-      const double begin = double(i) * step, end = begin + step;
-      for (auto k = std::size_t(begin); k < count && double(k) < end; ++k) {
-        const double share = (std::min(end, double(k + 1)) - std::max(begin, double(k))) / step;
-        const std::size_t source = along_rows ? line * count + k : k * lines + line;
-        const std::size_t target = along_rows ? line * half + i : i * lines + line;
-        for (std::size_t c = 0; c < 3; ++c) to[3 * target + c] += share * from[3 * source + c];
-      }
+  std::vector<Overlap> parts(half);
+  for (std::size_t i = 0; i < half; ++i) {
+    const double begin = double(i) * step, end = begin + step;
+    parts[i].first = std::size_t(begin);
+    for (auto k = parts[i].first; k < count && double(k) < end; ++k) {
+      const double share = (std::min(end, double(k + 1)) - std::max(begin, double(k))) / step;
+      parts[i].share[parts[i].count++] = share;
     }
   }
-  return to;
+  return parts;
 }
+
+// Returns HalfSize of an image in which every channel is `value` of what it is.
+template <class Value>
+Image HalfOf(const Image& image, const Value& value) {
+  const std::vector<Overlap> columns = Halve(std::size_t(image.width)),
+                             rows = Halve(std::size_t(image.height));
+  Image half(int(columns.size()), int(rows.size()));
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t row) {
+    std::vector<double> line(3 * columns.size());
+    for (std::size_t k = 0; k < rows[row].count; ++k) {
+      const float* const from = image.Pixel(0, int(rows[row].first + k));
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        double mean[3] = {};
+        for (std::size_t j = 0; j < columns[i].count; ++j) {
+          const float* const texel = from + 3 * (columns[i].first + j);
+          for (std::size_t c = 0; c < 3; ++c) mean[c] += columns[i].share[j] * value(texel[c]);
+        }
+        for (std::size_t c = 0; c < 3; ++c) line[3 * i + c] += rows[row].share[k] * mean[c];
+      }
+    }
+    std::transform(line.begin(), line.end(), half.Pixel(0, int(row)),
+                   [](double mean) { return float(mean); });
+  });
+  return half;
+}
+
+float Itself(float value) { return value; }
+// Maps a channel of a normal from [0, 1] to [-1, 1].
+float Signed(float value) { return 2 * value - 1; }
 
 // Sets every channel to the mean of the three.
 Image Grey(Image image) {
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     std::fill_n(&image.rgb[i], 3, (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3);
   }
-  return image;
-}
-
-// Maps texels of normals from [0, 1] to [-1, 1].
-Image SignedNormals(Image image) {
-  for (float& value : image.rgb) value = 2 * value - 1;
   return image;
 }
 
@@ -80,24 +105,49 @@ Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope)
   return normals;
 }
 
-// Appends the levels of an image, or its finest one alone, and returns how many these are.
-std::uint32_t AppendLevels(Image image, bool one_level, std::uint32_t (*pack)(const float*),
-                           TextureTables& tables, const std::string& path) {
-  std::uint32_t count = 0;
-  while (true) {
+// Appends the levels of an image in which every channel is `value` of what it is, or its finest one
+// alone, and returns how many these are.
+template <class Value>
+std::uint32_t AppendLevels(const Image& finest, const Value& value, bool one_level,
+                           std::uint32_t (*pack)(const float*), TextureTables& tables,
+                           const std::string& path) {
+  const auto append = [&](const Image& image, const auto& channel) {
     if (tables.texels.size() + image.rgb.size() / 3 > kMaxTexels) {
       throw InputError(InputPosition::File(path),
                        fmt::format("the textures have more than {} texels", kMaxTexels));
     }
     tables.levels.push_back({std::uint32_t(tables.texels.size()), std::uint32_t(image.width),
                              std::uint32_t(image.height), 0});
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-      tables.texels.push_back(pack(&image.rgb[i]));
-    }
-    ++count;
-    if (one_level || (image.width == 1 && image.height == 1)) return count;
-    image = HalfSize(image);
+    const std::size_t first = tables.texels.size(), width = std::size_t(image.width);
+    tables.texels.resize(first + width * std::size_t(image.height));
+    tbb::parallel_for(0, image.height, [&](int row) {
+      std::uint32_t* const packed = &tables.texels[first + std::size_t(row) * width];
+      for (std::size_t x = 0; x < width; ++x) {
+        const float* const rgb = image.Pixel(int(x), row);
+        const float texel[3] = {channel(rgb[0]), channel(rgb[1]), channel(rgb[2])};
+        packed[x] = pack(texel);
+      }
+    });
+  };
+  append(finest, value);
+  if (one_level || (finest.width == 1 && finest.height == 1)) return 1;
+  Image image = HalfOf(finest, value);
+  for (std::uint32_t count = 2;; ++count) {
+    append(image, Itself);
+    if (image.width == 1 && image.height == 1) return count;
+    image = HalfOf(image, Itself);
   }
+}
+
+// Returns the number of texels of all levels of an image.
+std::size_t TexelsOfLevels(const Image& image, bool one_level) {
+  std::size_t width = std::size_t(image.width), height = std::size_t(image.height);
+  std::size_t texels = width * height;
+  while (!one_level && width * height > 1) {
+    width = std::max<std::size_t>(width / 2, 1), height = std::max<std::size_t>(height / 2, 1);
+    texels += width * height;
+  }
+  return texels;
 }
 
 // The levels of a texture in the table.
@@ -112,18 +162,18 @@ Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables&
   const bool one_level = texture.one_level;
   switch (texture.use) {
     case TextureUse::kColor:
-      pyramid.count = AppendLevels(image, one_level, PackTexel, tables, path);
+      pyramid.count = AppendLevels(image, Itself, one_level, PackTexel, tables, path);
       break;
     case TextureUse::kOpacity:
-      pyramid.count = AppendLevels(Grey(image), one_level, PackTexel, tables, path);
+      pyramid.count = AppendLevels(Grey(image), Itself, one_level, PackTexel, tables, path);
       break;
     case TextureUse::kNormals:
     case TextureUse::kPbrtNormals:
-      pyramid.count = AppendLevels(SignedNormals(image), one_level, PackNormalTexel, tables, path);
+      pyramid.count = AppendLevels(image, Signed, one_level, PackNormalTexel, tables, path);
       break;
     case TextureUse::kHeights:
-      pyramid.count = AppendLevels(NormalsOfHeights(image, texture, pyramid.slope), one_level,
-                                   PackNormalTexel, tables, path);
+      pyramid.count = AppendLevels(NormalsOfHeights(image, texture, pyramid.slope), Itself,
+                                   one_level, PackNormalTexel, tables, path);
       break;
   }
   return pyramid;
@@ -151,17 +201,7 @@ TriangleAxes ImageAxes(const Mesh& mesh, const glm::uvec3& corners, const Textur
 
 }  // namespace
 
-Image HalfSize(const Image& image) {
-  const auto width = std::size_t(image.width), height = std::size_t(image.height);
-  std::vector<double> pixels(image.rgb.begin(), image.rgb.end());
-  pixels = HalveLines(pixels, width, height, true);
-  const std::size_t half_width = std::max<std::size_t>(width / 2, 1);
-  pixels = HalveLines(pixels, height, half_width, false);
-  Image half(int(half_width), std::max(image.height / 2, 1));
-  std::transform(pixels.begin(), pixels.end(), half.rgb.begin(),
-                 [](double value) { return float(value); });
-  return half;
-}
+Image HalfSize(const Image& image) { return HalfOf(image, Itself); }
 
 TextureView TextureTables::view() const {
   if (records.empty()) return {};
@@ -184,16 +224,26 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   // The pyramid of an image depends on its use and on how many levels it has; that of heights
   // depends on the wrapping, too.
   using Key = std::tuple<std::uint32_t, TextureUse, bool, TextureWrap, TextureWrap>;
-  std::map<Key, Pyramid> pyramids;
+  const auto key_of = [](const Texture& texture) -> Key {
+    const bool heights = texture.use == TextureUse::kHeights;
+    return {texture.image, texture.use, texture.one_level,
+            heights ? texture.wrap_u : TextureWrap::kRepeat,
+            heights ? texture.wrap_v : TextureWrap::kRepeat};
+  };
+  std::set<Key> kinds;
+  std::size_t texels = 0;
   for (const Texture& texture : scene.textures) {
     if (texture.image >= scene.images.size()) {
       throw InputError(InputPosition::File(path), "a texture has no image");
     }
+    if (!kinds.insert(key_of(texture)).second) continue;
+    texels += TexelsOfLevels(scene.images[texture.image], texture.one_level);
+  }
+  tables.texels.reserve(std::min(texels, kMaxTexels));
+  std::map<Key, Pyramid> pyramids;
+  for (const Texture& texture : scene.textures) {
     const Image& image = scene.images[texture.image];
-    const bool heights = texture.use == TextureUse::kHeights;
-    const Key key = {texture.image, texture.use, texture.one_level,
-                     heights ? texture.wrap_u : TextureWrap::kRepeat,
-                     heights ? texture.wrap_v : TextureWrap::kRepeat};
+    const Key key = key_of(texture);
     auto pyramid = pyramids.find(key);
     if (pyramid == pyramids.end()) {
       pyramid = pyramids.emplace(key, AppendPyramid(image, texture, tables, path)).first;
