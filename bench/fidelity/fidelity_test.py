@@ -6,6 +6,7 @@
 
 import base64
 import json
+import math
 import shutil
 import struct
 import subprocess
@@ -13,6 +14,7 @@ import sys
 import tempfile
 import unittest
 import zlib
+from array import array
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -87,6 +89,40 @@ class Page(unittest.TestCase):
         self.assertNotIn("http", text)
         self.assertNotIn("a<b", text)
         self.open(output, text)
+
+    def test_cycles_is_asked_for_the_same_view_and_may_be_missing(self):
+        python, job = self.folder / "python", self.folder / "job.json"
+        python.write_text(f'#!/bin/sh\ncp "$2" {job}\necho "no module named bpy" >&2\nexit 1\n')
+        python.chmod(0o755)
+        table = self.folder / "table.md"
+        with redirect_stdout(StringIO()):
+            fidelity.main([str(self.folder), "--skywave", PROGRAM, "--env", str(self.env), "--size",
+                           "16x12", "--spp", "1", "--cycles", str(python), "--only", "Plain", "-o",
+                           str(self.folder / "page.html"), "--markdown", str(table)])
+        self.assertEqual(table.read_text().splitlines()[2:],
+                         ["| Plain | as asked |  | Cycles: no module named bpy |"])
+        asked = json.loads(job.read_text())
+        self.assertEqual(asked["size"], [16, 12])
+        # The triangle's box has its middle here, and a diagonal of the square root of 2.
+        for a, b in zip(asked["target"], (0.5, 0.5, 0)):
+            self.assertAlmostEqual(a, b)
+        distance = math.dist(asked["eye"], asked["target"])
+        self.assertAlmostEqual(math.sin(math.radians(20)) * distance, math.sqrt(0.5))
+        with self.assertRaisesRegex(SystemExit, "has no Plian"):
+            fidelity.main([str(self.folder), "--env", str(self.env), "--only", "Plian"])
+
+    def test_pictures_are_compared_by_blocks_where_the_asset_is(self):
+        def picture(*blocks):
+            row = array("f", (value for value in blocks for _ in range(3 * fidelity.BLOCK)))
+            return len(blocks) * fidelity.BLOCK, fidelity.BLOCK, [row] * fidelity.BLOCK
+
+        covered = (3 * fidelity.BLOCK, fidelity.BLOCK,
+                   [array("f", [1] * 2 * fidelity.BLOCK + [0.9] * fidelity.BLOCK)] * fidelity.BLOCK)
+        self.assertEqual(fidelity.difference(picture(1, 2, 9), picture(0.8, 2, 1), covered),
+                         "+7.1% in the mean; 22.2% or less in half of 2 blocks, 22% in the worst")
+        nowhere = (covered[0], covered[1], [array("f", [0] * covered[0])] * covered[1])
+        self.assertEqual(fidelity.difference(picture(1, 2, 9), picture(1, 2, 9), nowhere),
+                         "no block is covered")
 
     def open(self, output, text):
         """Opens the page in a browser, which must find in it what was written."""
