@@ -10,11 +10,19 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/delta.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/bsdf-inl.h"
+#include "kernels/bsdf/fresnel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
+
+// Returns the normal about which a delta BSDF acts, in world space: the shading normal, or the
+// geometric one where the reflection about the shading normal would go into the surface.
+HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
+  const VF twice = 2.0f * Dot(ns, wo);
+  const V3 reflected = ns * twice - wo;
+  return IfThen(hn::Gt(Dot(reflected, ng), hn::Zero(F())), ns, ng);
+}
 
 // Value and density are zero: no direction but the BSDF's own can meet light.
 void EvaluateDelta(const SurfaceColumns&, const MaterialView&, const LightColumns&, std::uint32_t n,

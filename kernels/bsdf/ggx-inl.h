@@ -7,8 +7,8 @@
 #define SKYWAVE_KERNELS_GGX_INL_H_
 #endif
 
-#include "kernels/bsdf/bsdf-inl.h"
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/fresnel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

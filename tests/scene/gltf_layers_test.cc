@@ -9,7 +9,6 @@
 #include "image/image.h"
 #include "kernels/surface/surface.h"
 #include "scene/geometry.h"
-#include "tests/support/gltf_document.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,0 +1,128 @@
+#include "scene/gltf/layers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scene/gltf/extensions.h"
+
+namespace skywave {
+namespace {
+
+void SetSpecular(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  material.specular = GltfFractionOf(context, extension, "specularFactor", 1);
+  material.specular_color =
+      glm::clamp(GltfColor(extension, "specularColorFactor", glm::vec3(1)), 0.0f, 1e6f);
+  material.specular_texture =
+      GltfTextureOf(context, extension, "specularTexture", Encoding::kAlpha);
+  material.specular_color_texture =
+      GltfTextureOf(context, extension, "specularColorTexture", Encoding::kSrgb);
+}
+
+void SetAnisotropy(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  material.anisotropy = GltfFractionOf(context, extension, "anisotropyStrength", 0);
+  material.anisotropy_turn = float(GltfNumber(extension, "anisotropyRotation", 0));
+  if (!(std::abs(material.anisotropy_turn) <= 1e6f)) {
+    WarnOfMaterial(context, "anisotropyRotation is not supported: 0 is used");
+    material.anisotropy_turn = 0;
+  }
+  if (!(material.anisotropy > 0)) return;
+  material.anisotropy_texture =
+      GltfTextureOf(context, extension, "anisotropyTexture", Encoding::kLinear);
+}
+
+void SetFilm(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  const float factor = GltfFractionOf(context, extension, "iridescenceFactor", 0);
+  if (!(factor > 0)) return;
+  const GltfShare share =
+      AddGltfShare(context, TextureInfo(extension, "iridescenceTexture"), 0, factor);
+  material.film = share.number, material.film_texture = share.texture;
+  material.film_ior = GltfPositive(context, extension, "iridescenceIor", 1.3);
+  if (material.film_ior < 1) {
+    WarnOfMaterial(context, fmt::format("iridescenceIor {} is below 1: 1 is used, which is no film",
+                                        material.film_ior));
+    material.film_ior = 1;
+  }
+  material.film_thin = GltfPositive(context, extension, "iridescenceThicknessMinimum", 100);
+  material.film_thick = GltfPositive(context, extension, "iridescenceThicknessMaximum", 400);
+  material.film_thickness_texture =
+      GltfTextureOf(context, extension, "iridescenceThicknessTexture", Encoding::kLinear);
+}
+
+// Sets what only layered metallic-roughness has, in the part of a material that reflects. Factors
+// that change nothing leave the material as it is.
+void SetLayers(GltfTextures& context, const tinygltf::Material& from, Material& material) {
+  if (const auto* const extension = GltfExtension(from, khr::kSpecular)) {
+    SetSpecular(context, *extension, material);
+  }
+  if (const auto* const extension = GltfExtension(from, khr::kAnisotropy)) {
+    SetAnisotropy(context, *extension, material);
+  }
+  if (const auto* const extension = GltfExtension(from, khr::kIridescence)) {
+    SetFilm(context, *extension, material);
+  }
+  const bool reflects_alike = material.specular == 1 && material.specular_color == glm::vec3(1) &&
+                              !material.specular_texture && !material.specular_color_texture;
+  if (!reflects_alike || material.anisotropy > 0 || material.film > 0) {
+    material.bsdf = BsdfKind::kLayeredMetallicRoughness;
+  }
+}
+
+// The file may give the coat different normals from the base; also when it gives normals to the
+// base only.
+void WarnOfCoatNormals(GltfTextures& context, const tinygltf::Material& from) {
+  const tinygltf::Value& coat = *GltfExtension(from, khr::kClearcoat);
+  if (TextureInfo(coat, "clearcoatNormalTexture").index == from.normalTexture.index) return;
+  WarnOfMaterial(context,
+                 "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
+}
+
+// Gives a material one more layer, of which `textures` says that it has textures that only layered
+// metallic-roughness reads.
+void AddLayer(bool textures, Material& material) {
+  if (textures || material.bsdf == BsdfKind::kLayeredMetallicRoughness) {
+    material.bsdf = BsdfKind::kLayeredMetallicRoughness;
+  } else {
+    material.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  }
+}
+
+}  // namespace
+
+Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Material base) {
+  SetLayers(context, from, base);
+  if (const auto* const sheen = GltfExtension(from, khr::kSheen)) {
+    const glm::vec3 color = GltfColor(*sheen, "sheenColorFactor", glm::vec3(0));
+    for (int c = 0; c < 3; ++c) base.sheen[c] = GltfFraction(context, "sheenColorFactor", color[c]);
+    const float roughness = GltfFractionOf(context, *sheen, "sheenRoughnessFactor", 0);
+    base.sheen_alpha = roughness * roughness;
+    if (base.sheen != glm::vec3(0)) {
+      base.sheen_texture = GltfTextureOf(context, *sheen, "sheenColorTexture", Encoding::kSrgb);
+      base.sheen_alpha_texture =
+          GltfTextureOf(context, *sheen, "sheenRoughnessTexture", Encoding::kAlpha);
+      AddLayer(base.sheen_texture || base.sheen_alpha_texture, base);
+    }
+  }
+  base.coat = 0;
+  const auto* const coat = GltfExtension(from, khr::kClearcoat);
+  const float strength = coat == nullptr ? 0 : GltfFractionOf(context, *coat, "clearcoatFactor", 0);
+  if (!(strength > 0)) return base;
+  const GltfShare share =
+      AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
+  WarnOfCoatNormals(context, from);
+  Material coated = base;
+  coated.coat = share.number;
+  const float roughness = GltfFractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
+  coated.coat_alpha = roughness * roughness;
+  if (roughness > 0) {
+    coated.coat_alpha_texture =
+        GltfTextureOf(context, *coat, "clearcoatRoughnessTexture", Encoding::kLinear);
+  }
+  AddLayer(coated.coat_alpha_texture.has_value(), coated);
+  if (!share.texture) return coated;
+  return GltfMixture(context, base, NamedPart(coated, "coated"), share);
+}
+
+}  // namespace skywave
