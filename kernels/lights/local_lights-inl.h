@@ -137,8 +137,8 @@ HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& lig
   const VU triangle = hn::IfThenElseZero(textured, light.triangle());
   const MF inside = hn::RebindMask(F(), textured);
   const V3 seen =
-      LookUpLevel(view.textures, record, record.Word(0), triangle, hn::IfThenElseZero(inside, u),
-                  hn::IfThenElseZero(inside, v), UnpackColor);
+      LookUpLevel(view.textures, record, record.Word(0), UvsOf(view.textures, record, triangle),
+                  hn::IfThenElseZero(inside, u), hn::IfThenElseZero(inside, v), UnpackColor);
   return IfThen(inside, emission * seen, emission);
 }
 

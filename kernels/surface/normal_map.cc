@@ -42,7 +42,8 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
     const VU record = hn::ShiftLeft<kLogNormalMapWords>(textured.material);
     VF scale = AsFloat(Gather(records, record + SetU(SKYWAVE_WORD(NormalMapRecord, scale))));
     const VU per_texel = Gather(records, record + SetU(SKYWAVE_WORD(NormalMapRecord, per_texel)));
-    const VF texels = TexelsALength(view, textured, s, i);
+    const TextureLanes map(view, textured.texture);
+    const VF texels = TexelsALength(view, textured, map, UvsOf(view, map, textured.triangle), s, i);
     const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
     scale = Clamp(IfThen(of_lengths, scale * texels, scale), -1e6f, 1e6f);
 

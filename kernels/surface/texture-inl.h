@@ -66,14 +66,13 @@ HWY_INLINE VU UvsOf(const TextureView& view, const TextureLanes& record, VU tria
   return hn::ShiftLeft<kLogUvWords>(triangle);
 }
 
-// Looks up one level of one texture per lane at barycentric (b1, b2) of its triangle. `unpack`
-// turns packed texels into a V3.
+// Looks up one level of one texture per lane at barycentric (b1, b2) of its triangle, whose
+// coordinates begin at word `uvs`. `unpack` turns packed texels into a V3.
 template <class Unpack>
-HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
-                          VU triangle, VF b1, VF b2, const Unpack& unpack) {
+HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level, VU uvs,
+                          VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = UvsOf(view, record, triangle);
-  const auto corner = [&](std::uint32_t f) HWY_ATTR { return Gather(corners, at + SetU(f)); };
+  const auto corner = [&](std::uint32_t f) HWY_ATTR { return Gather(corners, uvs + SetU(f)); };
   const VF b0 = 1.0f - b1 - b2;
   const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
     return corner(f) * b0 + corner(f + 2) * b1 + corner(f + 4) * b2;
@@ -104,14 +103,14 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
              Mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
 }
 
-// Returns the number of texels of level 0 per unit of length in the world, of rows i and on.
+// Returns the number of texels of level 0 per unit of length in the world, of rows i and on, whose
+// coordinates begin at word `uvs`.
 template <class Textured>
 HWY_INLINE VF TexelsALength(const TextureView& view, const Textured& textured,
-                            const SurfaceColumns& s, std::uint32_t i) {
+                            const TextureLanes& record, VU uvs, const SurfaceColumns& s,
+                            std::uint32_t i) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const TextureLanes record(view, textured.texture);
-  const VU at = UvsOf(view, record, textured.triangle) + SetU(SKYWAVE_WORD(TriangleUvs, density));
-  VF density = Gather(corners, at);
+  VF density = Gather(corners, uvs + SetU(SKYWAVE_WORD(TriangleUvs, density)));
   if (view.instances != nullptr) {
     const InstanceLanes instance(view.instances, s, i, hn::RebindMask(U(), textured.lanes));
     const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
@@ -146,11 +145,12 @@ template <class Textured, class Unpack>
 HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pixel_angle,
                      const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
   const TextureLanes record(view, textured.texture);
+  const VU uvs = UvsOf(view, record, textured.triangle);
   // The number of texels across the cone is squared, so the level is half the exponent.
   const VF cosine = hn::Max(
       Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
       Set(0.01f));
-  const VF width = Load(s.t + i) * pixel_angle * TexelsALength(view, textured, s, i);
+  const VF width = Load(s.t + i) * pixel_angle * TexelsALength(view, textured, record, uvs, s, i);
   const VF area = hn::Max(width * width / cosine, Set(1.0f));
   const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
   const VU wanted = hn::ShiftRight<1>(exponent - SetU(127));
@@ -159,7 +159,7 @@ HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pi
   // Padding rows may hold anything, which would be no place on an image.
   const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
   const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));
-  return LookUpLevel(view, record, level, textured.triangle, b1, b2, unpack);
+  return LookUpLevel(view, record, level, uvs, b1, b2, unpack);
 }
 
 HWY_INLINE V3 UnpackColor(VU packed) { return UnpackRadiance(packed, 1.0f); }
