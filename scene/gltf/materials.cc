@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -212,6 +213,24 @@ std::vector<std::string> GltfVariants(const tinygltf::Model& model) {
 GltfMaterials::GltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
                              Warnings& warnings)
     : textures_{model, path, scene, warnings} {}
+
+void GltfMaterials::DecodeImagesOf(std::span<const tinygltf::Primitive* const> primitives) {
+  // The materials say which images they want, and how encoded, when they are made.
+  Scene unused;
+  Warnings unheard = MakeWarnings({});
+  GltfMaterials trial(textures_.model, textures_.path, unused, unheard);
+  std::set<GltfImageKey> wanted;
+  trial.textures_.wanted = &wanted;
+  trial.variant_ = variant_;
+  for (const tinygltf::Primitive* const primitive : primitives) {
+    try {
+      trial.Of(*primitive);
+    } catch (const InputError&) {
+      continue;  // the material itself is refused when it is made
+    }
+  }
+  DecodeAhead(wanted, textures_);
+}
 
 int GltfMaterials::IndexOf(const tinygltf::Primitive& primitive) const {
   const auto found = primitive.extensions.find(khr::kVariants);

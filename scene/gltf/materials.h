@@ -44,6 +44,7 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,6 +77,9 @@ class GltfMaterials {
   // Returns the material of a primitive. Throws InputError(path) where the file has none of its
   // index.
   const GltfMaterial& Of(const tinygltf::Primitive& primitive);
+  // Decodes the images of the materials of these primitives on all threads, before they are asked
+  // for; Of would decode one after the other.
+  void DecodeImagesOf(std::span<const tinygltf::Primitive* const> primitives);
 
  private:
   // Returns the index of a primitive's material in the file; below 0, it names none.

@@ -334,6 +334,27 @@ void AddNodes(const tinygltf::Model& model, const std::vector<int>& roots, const
   }
 }
 
+// Returns the primitives that AddNodes will make meshes of, as far as the file is right.
+std::vector<const tinygltf::Primitive*> VisiblePrimitives(const tinygltf::Model& model,
+                                                          const std::vector<int>& roots) {
+  std::vector<const tinygltf::Primitive*> primitives;
+  std::vector<int> open = roots;
+  std::vector<bool> seen(model.nodes.size());
+  while (!open.empty()) {
+    const auto index = std::size_t(open.back());
+    open.pop_back();
+    if (index >= seen.size() || seen[index] || IsHidden(model.nodes[index])) continue;
+    seen[index] = true;
+    const tinygltf::Node& node = model.nodes[index];
+    open.insert(open.end(), node.children.begin(), node.children.end());
+    if (node.mesh < 0 || std::size_t(node.mesh) >= model.meshes.size()) continue;
+    for (const tinygltf::Primitive& primitive : model.meshes[std::size_t(node.mesh)].primitives) {
+      primitives.push_back(&primitive);
+    }
+  }
+  return primitives;
+}
+
 void DropVertexColors(Scene& scene) {
   const auto drop = [](std::vector<Mesh>& meshes) {
     for (Mesh& mesh : meshes) mesh.colors.clear(), mesh.alphas.clear();
@@ -368,9 +389,11 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   if (variant != scene.variants.end()) {
     materials.ChooseVariant(int(variant - scene.variants.begin()));
   }
+  const std::vector<int> roots = Roots(model, options.scene, path);
+  materials.DecodeImagesOf(VisiblePrimitives(model, roots));
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
   MeshAdder adder(model, poses, materials, path, options, scene, warnings);
-  AddNodes(model, Roots(model, options.scene, path), path, adder, scene, warnings);
+  AddNodes(model, roots, path, adder, scene, warnings);
   if (options.vertex_colors == VertexColors::kOff) DropVertexColors(scene);
   ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);

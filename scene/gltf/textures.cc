@@ -1,9 +1,11 @@
 #include "scene/gltf/textures.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "scene/gltf/buffers.h"
@@ -45,14 +47,11 @@ GltfTextureInfo InfoOf(const Info& from) {
   return info;
 }
 
-std::uint32_t AddImage(GltfTextures& textures, int index, Encoding encoding) {
+// Throws InputError for an image that is not there or cannot be decoded.
+Image DecodeGltfImage(const GltfTextures& textures, int index, Encoding encoding) {
   if (index < 0 || std::size_t(index) >= textures.model.images.size()) {
     throw InputError(InputPosition::File(textures.path),
                      fmt::format("there is no image {}", index));
-  }
-  const auto key = std::pair(index, encoding);
-  if (const auto found = textures.images.find(key); found != textures.images.end()) {
-    return found->second;
   }
   const tinygltf::Image& image = textures.model.images[std::size_t(index)];
   const std::string name = fmt::format("{}, image {}", textures.path, index);
@@ -62,8 +61,30 @@ std::uint32_t AddImage(GltfTextures& textures, int index, Encoding encoding) {
   if (!IsGltfImage(bytes)) {
     throw InputError(InputPosition::File(name), "is neither PNG, JPEG nor WebP");
   }
-  const std::uint32_t added =
-      AddTextureImage(textures.scene, DecodeTexture(name, bytes, encoding, kTextureLimits));
+  return DecodeTexture(name, bytes, encoding, kTextureLimits);
+}
+
+Image WhiteTexel() {
+  Image image(1, 1);
+  image.rgb = {1, 1, 1};
+  return image;
+}
+
+std::uint32_t AddImage(GltfTextures& textures, int index, Encoding encoding) {
+  const GltfImageKey key(index, encoding);
+  if (const auto found = textures.images.find(key); found != textures.images.end()) {
+    return found->second;
+  }
+  Image image;
+  if (textures.wanted != nullptr) {
+    textures.wanted->insert(key);
+    image = WhiteTexel();
+  } else if (const auto ahead = textures.decoded.extract(key)) {
+    image = std::move(ahead.mapped());
+  } else {
+    image = DecodeGltfImage(textures, index, encoding);
+  }
+  const std::uint32_t added = AddTextureImage(textures.scene, std::move(image));
   textures.images.emplace(key, added);
   return added;
 }
@@ -100,6 +121,21 @@ UvSet ChooseUvSet(GltfTextures& textures, int set) {
 }
 
 }  // namespace
+
+void DecodeAhead(const std::set<GltfImageKey>& wanted, GltfTextures& textures) {
+  const std::vector<GltfImageKey> keys(wanted.begin(), wanted.end());
+  std::vector<std::optional<Image>> images(keys.size());
+  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
+    try {
+      images[i] = DecodeGltfImage(textures, keys[i].first, keys[i].second);
+    } catch (const InputError&) {
+      images[i].reset();
+    }
+  });
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (images[i]) textures.decoded.emplace(keys[i], std::move(*images[i]));
+  }
+}
 
 void WarnOfMaterial(GltfTextures& textures, const std::string& text) {
   AddWarningOf(textures.warnings, InputPosition::File(textures.path), "material", textures.material,

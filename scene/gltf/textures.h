@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -18,6 +19,8 @@
 
 namespace skywave {
 
+using GltfImageKey = std::pair<int, Encoding>;  // number in the file
+
 // Makes the textures of one material after the other.
 struct GltfTextures {
   const tinygltf::Model& model;
@@ -27,11 +30,18 @@ struct GltfTextures {
   std::string material = {};      // the name of the one that is being made
   std::vector<int> uv_sets = {};  // that its textures use, two at most: a mesh has so many (UvSet)
   // What has been made of the images of the file, so that each is decoded once.
-  std::map<std::pair<int, Encoding>, std::uint32_t> images = {};
+  std::map<GltfImageKey, std::uint32_t> images = {};
+  std::map<GltfImageKey, Image> decoded = {};  // before their first use (DecodeAhead)
+  // Set: images are noted here, and none is decoded; each is a white texel.
+  std::set<GltfImageKey>* wanted = nullptr;
   std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};
   UnfilteredImages unfiltered{.name = "NEAREST"};
   std::size_t baked_texels = 0;
 };
+
+// Decodes images on all threads, for their first use. What cannot be decoded is tried again then,
+// where the material that wants it can be named.
+void DecodeAhead(const std::set<GltfImageKey>& wanted, GltfTextures& textures);
 
 // Adds a warning that names the file and the material.
 void WarnOfMaterial(GltfTextures& textures, const std::string& text);
