@@ -60,6 +60,7 @@ Container ChunksOf(std::string_view bytes, const std::string& path) {
   if (end < Word(bytes, 8)) {
     FailGltf(path, fmt::format("ends after {} of its {} bytes", bytes.size(), Word(bytes, 8)));
   }
+  if (end < kHeader) FailGltf(path, fmt::format("says that it has {} bytes, header included", end));
   std::size_t at = kHeader;
   while (end - at >= kChunkHeader) {
     const std::size_t length = Word(bytes, at);

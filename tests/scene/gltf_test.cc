@@ -363,6 +363,16 @@ TEST_F(Gltf, NamesInWarningsHoldNoControlCodes) {
   EXPECT_NE(scene.warnings[0].find("'?[31m??red'"), std::string::npos) << scene.warnings[0];
 }
 
+// A container whose length is less than that of its header has no chunks to look for.
+TEST_F(Gltf, AContainerIsAsLongAsItsHeader) {
+  std::string file = Glb(Document(), Buffer());
+  for (const char length : {0, 5, 11}) {
+    file[8] = length, file[9] = file[10] = file[11] = 0;
+    EXPECT_NE(ErrorOfFile(folder_.Write("a.glb", file)).find("header included"), std::string::npos)
+        << int(length);
+  }
+}
+
 TEST_F(Gltf, EveryPrefixIsRefusedAndEveryFlippedBitSurvived) {
   const std::string file = Glb(Document(), Buffer());
   ASSERT_EQ(ErrorOfFile(folder_.Write("a.glb", file)), "");
