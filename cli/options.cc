@@ -131,13 +131,14 @@ std::string Markdown(const std::vector<NamedCommand>& commands) {
           fmt::format("| `{}` | {} | {} |\n", cell(Usage(option.info)), ToString(option.info.scope),
                       cell(Explanation(option.info)));
       const auto [at, is_new] = first.try_emplace(row, name);
+      const std::string& printed = at->second;
       if (is_new) {
         rows += row;
         continue;
       }
       auto group = std::find_if(shared.begin(), shared.end(),
-                                [&](const auto& pair) { return pair.first == at->second; });
-      if (group == shared.end()) group = shared.insert(group, {at->second, {}});
+                                [&](const auto& pair) { return pair.first == printed; });
+      if (group == shared.end()) group = shared.insert(group, {printed, {}});
       group->second.push_back(option.info.positional ? option.info.value_name
                                                      : FlagWord(option.info));
     }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/files.h"
 #include "base/granted.h"
 #include "job/environment.h"
 #include "job/links.h"
