@@ -291,7 +291,7 @@ inline constexpr int kLogMaterialWords = 5;
 static_assert(sizeof(MaterialRecord) == sizeof(std::uint32_t) << kLogMaterialWords);
 
 // The words of a MaterialRecord by name: what PutField (kernels/bsdf/pack.h) writes and Field
-// (kernels/bsdf/bsdf-inl.h) gathers. A field of three floats is named by its first word.
+// (kernels/material_fields-inl.h) gathers. A field of three floats is named by its first word.
 enum class MaterialField : std::uint32_t {
   kColor = SKYWAVE_WORD(MaterialRecord, color),
   kAlpha = SKYWAVE_WORD(MaterialRecord, alpha),

@@ -121,15 +121,17 @@ def triple(point):
 
 
 def camera_of(asset, options, scratch):
-    """Returns eye and target that see the whole asset, or None where it cannot be read."""
+    """Returns eye and target that see the whole asset, or None where it has no extent."""
     info = scratch / "info.json"
     done = subprocess.run([str(options.skywave), "info", str(asset.file), "--json", str(info)],
                           capture_output=True, timeout=options.timeout, check=False)
     if done.returncode != 0:
         return None
-    bounds = json.loads(info.read_text())["bounds"]
+    bounds = json.loads(info.read_text()).get("bounds")
+    radius = math.dist(bounds["low"], bounds["high"]) / 2 if bounds else 0
+    if radius == 0:
+        return None
     middle = [(a + b) / 2 for a, b in zip(bounds["low"], bounds["high"])]
-    radius = math.dist(bounds["low"], bounds["high"]) / 2
     distance = radius / math.sin(math.radians(FIELD_OF_VIEW / 2)) / math.hypot(*VIEW)
     return {"eye": [m + distance * v for m, v in zip(middle, VIEW)], "target": middle}
 
@@ -192,7 +194,7 @@ def difference(ours, theirs, coverage):
     mean = sum(a + b for a, b in pairs) / (2 * len(pairs))
     parts = sorted(abs(a - b) / max((a + b) / 2, 0.1 * mean, 1e-30) for a, b in pairs)
     whole = sum(a - b for a, b in pairs) / max(sum(b for _, b in pairs), 1e-30)
-    return (f"{whole:+.1%} in the mean; {parts[len(parts) // 2]:.1%} or less in half of "
+    return (f"{whole:+.1%} on average; {parts[len(parts) // 2]:.1%} or less in half of "
             f"{len(parts)} blocks, {parts[-1]:.0%} in the worst")
 
 

@@ -119,7 +119,7 @@ class Page(unittest.TestCase):
         covered = (3 * fidelity.BLOCK, fidelity.BLOCK,
                    [array("f", [1] * 2 * fidelity.BLOCK + [0.9] * fidelity.BLOCK)] * fidelity.BLOCK)
         self.assertEqual(fidelity.difference(picture(1, 2, 9), picture(0.8, 2, 1), covered),
-                         "+7.1% in the mean; 22.2% or less in half of 2 blocks, 22% in the worst")
+                         "+7.1% on average; 22.2% or less in half of 2 blocks, 22% in the worst")
         nowhere = (covered[0], covered[1], [array("f", [0] * covered[0])] * covered[1])
         self.assertEqual(fidelity.difference(picture(1, 2, 9), picture(1, 2, 9), nowhere),
                          "no block is covered")

@@ -27,6 +27,8 @@ JsonInput JsonInput::Child(const nlohmann::json& value, const std::string& name)
   return child;
 }
 
+bool JsonInput::is_null() const { return value_->is_null(); }
+
 bool JsonInput::has(std::string_view key) const {
   return value_->is_object() && value_->contains(key);
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace skywave {
@@ -18,7 +19,7 @@ class JsonInput {
       : value_(&document), file_(std::move(file)) {}
 
   const std::string& file() const { return file_; }
-  bool is_null() const { return value_->is_null(); }
+  bool is_null() const;
   bool has(std::string_view key) const;
   // Returns a member; fails if there is none.
   JsonInput at(std::string_view key) const;

@@ -17,7 +17,8 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from blender_scene import add_camera, look, set_world  # noqa: E402
+from blender_scene import (  # noqa: E402
+    add_camera, look, set_film, set_light_paths, set_world)
 from scene import read_ply  # noqa: E402
 
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
@@ -85,30 +86,13 @@ def add_material(described):
 
 
 def set_render():
-    SCENE.render.engine = "CYCLES"
-    SCENE.render.resolution_x, SCENE.render.resolution_y = JOB["size"]
-    SCENE.render.resolution_percentage = 100
+    set_film(SCENE, JOB["size"])
+    set_light_paths(SCENE, JOB["depth"])
     SCENE.render.threads_mode = "FIXED"
     SCENE.render.threads = JOB["threads"]
-    SCENE.render.use_compositing = SCENE.render.use_sequencer = False
-    SCENE.render.image_settings.file_format = "OPEN_EXR"
-    SCENE.render.image_settings.color_mode = "RGB"
-    SCENE.render.image_settings.color_depth = "32"
-    SCENE.render.image_settings.exr_codec = "ZIP"
-    SCENE.view_settings.view_transform = "Raw"
-    cycles = SCENE.cycles
-    cycles.device = "CPU"
-    cycles.use_denoising = False
-    cycles.use_adaptive_sampling = False
-    cycles.time_limit = 0
-    # `max_bounces` counts the surfaces after the first one.
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = JOB["depth"] - 1
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-    cycles.blur_glossy = 0  # would make glossy surfaces rougher behind diffuse ones
-    cycles.caustics_reflective = True
-    cycles.caustics_refractive = False
-    cycles.film_exposure = 1
-    cycles.pixel_filter_type = "BOX"
+    SCENE.cycles.time_limit = 0
+    SCENE.cycles.caustics_refractive = False
+    SCENE.cycles.film_exposure = 1
 
 
 def render(samples, seed):

@@ -1,4 +1,4 @@
-"""What the scripts that run inside Blender share: a map around the scene, and a camera."""
+"""What the scripts that run inside Blender share: map, camera, film and lengths of paths."""
 import math
 
 import bpy
@@ -35,6 +35,38 @@ def add_camera(scene, field_of_view, size):
     scene.collection.objects.link(camera)
     scene.camera = camera
     return camera
+
+
+def set_film(scene, size):
+    """Has Cycles render pictures of linear floats, without post-processing, on the CPU."""
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y = size
+    render.resolution_percentage = 100
+    render.use_compositing = render.use_sequencer = False
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
+    image.exr_codec = "ZIP"
+    scene.view_settings.view_transform = "Raw"
+    scene.cycles.device = "CPU"
+
+
+def set_light_paths(scene, depth):
+    """Sets the number of surfaces of a path, and has no light clamped or blurred away."""
+    cycles = scene.cycles
+    cycles.use_denoising = cycles.use_adaptive_sampling = False
+    # The counts are of surfaces after the first one.
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = depth - 1
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.blur_glossy = 0  # would make glossy surfaces rougher behind diffuse ones
+    cycles.caustics_reflective = True
+    cycles.pixel_filter_type = "BOX"
+
+
+def blender_axes(point):
+    """Returns the place in Blender's world, whose z is up, of a point of glTF."""
+    x, y, z = point
+    return x, -z, y
 
 
 def look(camera, eye, target):

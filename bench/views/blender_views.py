@@ -15,29 +15,16 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "peers"))
-from blender_scene import add_camera, look, set_world  # noqa: E402
+from blender_scene import add_camera, blender_axes, look, set_film, set_world  # noqa: E402
 
 JOB = json.loads(Path(sys.argv[-1]).read_text())
 SETTINGS = JOB["settings"]
 
 
-def blender_axes(point):
-    """Returns the place in Blender's world, whose z is up, of a point of glTF."""
-    x, y, z = point
-    return x, -z, y
-
-
 def set_render(scene):
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = JOB["size"]
+    set_film(scene, JOB["size"])
     scene.render.use_persistent_data = scene.render.film_transparent = True
-    scene.render.use_compositing = scene.render.use_sequencer = False
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_mode = "RGB"
-    scene.render.image_settings.color_depth = "32"
-    scene.view_settings.view_transform = "Raw"
     cycles = scene.cycles
-    cycles.device = "CPU"
     cycles.samples = SETTINGS["samples"]
     cycles.use_denoising = SETTINGS["denoise"]
     cycles.use_adaptive_sampling = SETTINGS["threshold"] > 0

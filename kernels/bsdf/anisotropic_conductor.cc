@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/anisotropic_conductor.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/microfacet-inl.h"
 
 HWY_BEFORE_NAMESPACE();

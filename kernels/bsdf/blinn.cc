@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/blinn.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/power-inl.h"
 
 HWY_BEFORE_NAMESPACE();

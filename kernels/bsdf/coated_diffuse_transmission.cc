@@ -13,6 +13,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_diffuse_transmission.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -71,7 +72,7 @@ struct CoatedDiffuseTransmission {
     const V3 mirrored = ggx.Reflect(wo, u, v);
     const V3 wi = IfThen(by_coat, mirrored, -CosineHemisphere(u, v));
     BsdfSample sample = SampleOf(wi, Evaluate(wo, wi, reflected));
-    // The table of the coat's albedo has no facets that reflect into the surface.
+    // The albedo of the coat does not count what its facets reflect into the surface.
     const MF lost = hn::And(by_coat, hn::Le(mirrored.z, hn::Zero(F())));
     sample.pdf = IfThen(lost, hn::Zero(F()), sample.pdf);
     return sample;

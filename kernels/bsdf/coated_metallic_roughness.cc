@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_metallic_roughness.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/gltf_layers-inl.h"
 #include "kernels/bsdf/metallic_roughness-inl.h"
 

@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/conductor.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/conductor-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -10,6 +10,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/delta.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/fresnel-inl.h"
 
 HWY_BEFORE_NAMESPACE();

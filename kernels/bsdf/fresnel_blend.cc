@@ -12,6 +12,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf/body_and_gloss-inl.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

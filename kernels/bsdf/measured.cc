@@ -9,6 +9,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/measured.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,7 +12,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/oren_nayar.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/bsdf-inl.h"
+#include "kernels/bsdf/bsdf_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

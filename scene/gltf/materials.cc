@@ -195,6 +195,21 @@ Material MakeMaterial(GltfTextures& context, const tinygltf::Material& from, boo
   return material;
 }
 
+bool IsGrained(const tinygltf::Material& from) {
+  const auto* const anisotropy = GltfExtension(from, khr::kAnisotropy);
+  return anisotropy != nullptr && GltfNumber(*anisotropy, "anisotropyStrength", 0) > 0;
+}
+
+// Returns the coordinates that have to be the first ones of a mesh, because a grain lies along
+// them: those of the normal map, or else of its own texture.
+std::vector<int> UvSetsOfGrain(const tinygltf::Material& from) {
+  if (!IsGrained(from)) return {};
+  if (from.normalTexture.index >= 0) return {TextureInfo(from.normalTexture).uv_set};
+  const GltfTextureInfo grain =
+      TextureInfo(*GltfExtension(from, khr::kAnisotropy), "anisotropyTexture");
+  return grain.index < 0 ? std::vector<int>{} : std::vector{grain.uv_set};
+}
+
 }  // namespace
 
 std::vector<std::string> GltfVariants(const tinygltf::Model& model) {
@@ -273,10 +288,9 @@ const GltfMaterial& GltfMaterials::Of(const tinygltf::Primitive& primitive) {
   if (index >= 0) {
     const tinygltf::Material& from = materials[std::size_t(index)];
     textures_.material = from.name.empty() ? fmt::format("#{}", index) : from.name;
-    textures_.uv_sets.clear();
+    textures_.uv_sets = UvSetsOfGrain(from);
     material = MakeMaterial(textures_, from, tinted);
-    const auto* const anisotropy = GltfExtension(from, khr::kAnisotropy);
-    used.grained = anisotropy != nullptr && GltfNumber(*anisotropy, "anisotropyStrength", 0) > 0;
+    used.grained = IsGrained(from);
     used.uses_tangents = from.normalTexture.index >= 0 || used.grained;
     used.uv_sets = textures_.uv_sets;
     used.opaque = from.alphaMode == "OPAQUE";

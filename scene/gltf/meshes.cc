@@ -132,14 +132,18 @@ PointsAndLines Strokes(const std::vector<std::uint32_t>& indices, int mode) {
   return parts;
 }
 
+int ModeOf(const tinygltf::Primitive& primitive) {
+  return primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+}
 bool HasTriangles(int mode) {
   return mode >= TINYGLTF_MODE_TRIANGLES && mode <= TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
 Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
-              const std::string& name, int mode, const std::vector<double>& weights,
-              const GltfSkin* skin, const ReadOptions& options, GltfMaterials& materials,
-              const std::string& path, Warnings& warnings) {
+              const std::string& name, const std::vector<double>& weights, const GltfSkin* skin,
+              const ReadOptions& options, GltfMaterials& materials, const std::string& path,
+              Warnings& warnings) {
+  const int mode = ModeOf(primitive);
   const GltfMaterial& material = materials.Of(primitive);
   Mesh mesh;
   mesh.name = name;
@@ -195,6 +199,24 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
 
 }  // namespace
 
+std::string WhyLeftOut(const tinygltf::Model& model, int mesh, const tinygltf::Primitive& primitive,
+                       const ReadOptions& options) {
+  const int mode = ModeOf(primitive);
+  const std::string& name = model.meshes[std::size_t(mesh)].name;
+  if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+    return fmt::format(
+        "mesh {} '{}' has a primitive of the mode {}, which is none of glTF's: left out", mesh,
+        name, mode);
+  }
+  if (!HasTriangles(mode) && !options.point_size) {
+    return "points and lines are left out: `point-size` shows them as spheres and tubes";
+  }
+  if (!primitive.attributes.contains("POSITION")) {
+    return fmt::format("mesh {} '{}' has a primitive without positions: left out", mesh, name);
+  }
+  return {};
+}
+
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
                                  const std::vector<double>& weights, const GltfSkin* skin,
                                  const ReadOptions& options, GltfMaterials& materials,
@@ -205,27 +227,13 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
   const std::string name = from.name.empty() ? fmt::format("mesh {}", mesh) : from.name;
   std::vector<Mesh> meshes;
   for (const tinygltf::Primitive& primitive : from.primitives) {
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-      AddWarning(warnings, InputPosition::File(path),
-                 fmt::format("mesh {} '{}' has a primitive of the mode {}, which is none of "
-                             "glTF's: left out",
-                             mesh, from.name, mode));
-      continue;
-    }
-    if (!HasTriangles(mode) && !options.point_size) {
-      AddWarning(warnings, InputPosition::File(path),
-                 "points and lines are left out: `point-size` shows them as spheres and tubes");
-      continue;
-    }
-    if (!primitive.attributes.contains("POSITION")) {
-      AddWarning(
-          warnings, InputPosition::File(path),
-          fmt::format("mesh {} '{}' has a primitive without positions: left out", mesh, from.name));
+    const std::string why = WhyLeftOut(model, mesh, primitive, options);
+    if (!why.empty()) {
+      AddWarning(warnings, InputPosition::File(path), why);
       continue;
     }
     meshes.push_back(
-        MakeMesh(model, primitive, name, mode, weights, skin, options, materials, path, warnings));
+        MakeMesh(model, primitive, name, weights, skin, options, materials, path, warnings));
   }
   return meshes;
 }

@@ -336,7 +336,8 @@ void AddNodes(const tinygltf::Model& model, const std::vector<int>& roots, const
 
 // Returns the primitives that AddNodes will make meshes of, as far as the file is right.
 std::vector<const tinygltf::Primitive*> VisiblePrimitives(const tinygltf::Model& model,
-                                                          const std::vector<int>& roots) {
+                                                          const std::vector<int>& roots,
+                                                          const ReadOptions& options) {
   std::vector<const tinygltf::Primitive*> primitives;
   std::vector<int> open = roots;
   std::vector<bool> seen(model.nodes.size());
@@ -349,7 +350,8 @@ std::vector<const tinygltf::Primitive*> VisiblePrimitives(const tinygltf::Model&
     open.insert(open.end(), node.children.begin(), node.children.end());
     if (node.mesh < 0 || std::size_t(node.mesh) >= model.meshes.size()) continue;
     for (const tinygltf::Primitive& primitive : model.meshes[std::size_t(node.mesh)].primitives) {
-      primitives.push_back(&primitive);
+      if (WhyLeftOut(model, node.mesh, primitive, options).empty())
+        primitives.push_back(&primitive);
     }
   }
   return primitives;
@@ -390,7 +392,7 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
     materials.ChooseVariant(int(variant - scene.variants.begin()));
   }
   const std::vector<int> roots = Roots(model, options.scene, path);
-  materials.DecodeImagesOf(VisiblePrimitives(model, roots));
+  materials.DecodeImagesOf(VisiblePrimitives(model, roots, options));
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
   MeshAdder adder(model, poses, materials, path, options, scene, warnings);
   AddNodes(model, roots, path, adder, scene, warnings);

@@ -1,13 +1,11 @@
 // Compares photon mapping with closed forms, path tracing and itself.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "scene/builtin/builtin.h"
@@ -23,22 +21,10 @@
 #include "tests/support/statistics.h"
 #include "wavefront/option_names.h"
 #include "wavefront/policies/emission_pilot.h"
-#include "wavefront/records/photon_map.h"
 #include "wavefront/render.h"
 
 namespace skywave {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-JobRequest Request(int width, int height, std::uint32_t samples, std::uint32_t max_depth) {
-  JobRequest request = SmallRequest(width, height, samples);
-  request.integrator = Integrator::kPhoton;
-  request.max_depth = max_depth;
-  request.options.of<PhotonOptions>().indirect = 40000;
-  request.options.of<PhotonOptions>().caustic = 20000;
-  return request;
-}
 
 std::array<double, 3> MeanOf(const Image& image) {
   std::array<double, 3> mean = {};
@@ -46,19 +32,6 @@ std::array<double, 3> MeanOf(const Image& image) {
     mean[i % 3] += 3 * double(image.rgb[i]) / double(image.rgb.size());
   }
   return mean;
-}
-
-PhotonMaps MapsOf(const RenderJob& job) { return MapsOf(job.frame()); }
-
-// Returns the flux of all photons that have hit `depth` surfaces; 0 stands for all photons.
-double FluxOf(const PhotonMap& map, int channel, std::uint32_t depth) {
-  const PhotonColumns& photons = map.view().photons;
-  const float* const flux[3] = {photons.r, photons.g, photons.b};
-  double sum = 0;
-  for (std::uint32_t i = 0; i < map.size(); ++i) {
-    if (depth == 0 || photons.depth[i] == depth) sum += double(flux[channel][i]);
-  }
-  return sum;
 }
 
 struct CaveCase {
@@ -79,7 +52,7 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
   for (const CaveCase& test : kCaveCases) {
     for (const std::uint32_t depth : {1u, 5u}) {
       SCOPED_TRACE(std::string(test.name) + ", depth " + std::to_string(depth));
-      JobRequest request = Request(10, 10, 16, depth);
+      JobRequest request = PhotonRequest(10, 10, 16, depth);
       request.options.of<PhotonOptions>().gather = test.gather;
       request.options.of<PhotonOptions>().passes = test.passes;
       request.options.of<PhotonOptions>().kernel = test.kernel;
@@ -111,7 +84,7 @@ Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Came
 void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, double tolerance) {
   for (const std::uint32_t gather : {0u, 1u}) {
     for (const std::uint32_t passes : {1u, 4u}) {
-      JobRequest request = Request(side, side, 16, 4);
+      JobRequest request = PhotonRequest(side, side, 16, 4);
       request.options.of<PhotonOptions>().gather = gather;
       request.options.of<PhotonOptions>().passes = passes;
       request.options.of<PhotonOptions>().neighbors = neighbors;
@@ -140,108 +113,10 @@ TEST(Photon, LightBehindASurfaceDoesNotLeak) {
   ExpectCaveRadiance(ShiningRoom({0.8f, 0.02f, 0.8f}, {0, -0.9f, 0}, 0, above), 16, 400, 0.01);
 }
 
-// In a closed cave, no light is lost: the flux of photons at their n-th surface is the flux that
-// leaves the lights times the albedo of each previous surface.
-TEST(Photon, MapsHoldTheFluxOfTheLights) {
-  JobRequest request = Request(8, 8, 1, 4);
-  request.options.of<PhotonOptions>().gather = 1;  // direct light too
-  const RenderJob job(ShiningCave(), request);
-  const PhotonMaps maps = MapsOf(job);
-  EXPECT_GE(maps.indirect.size(), request.options.of<PhotonOptions>().indirect);
-  EXPECT_LT(maps.indirect.size(), request.options.of<PhotonOptions>().indirect + 4);
-  double area = 0;
-  const Geometry& geometry = job.geometry();
-  for (std::size_t i = 0; i < geometry.triangle_count(); ++i) {
-    const glm::vec3 a = geometry.Corner(i, 0), b = geometry.Corner(i, 1), c = geometry.Corner(i, 2);
-    area += 0.5 * double(glm::length(glm::cross(b - a, c - a)));
-  }
-  for (int c = 0; c < 3; ++c) {
-    const double emitted = kPi * double(kCaveEmission) * area;
-    for (std::uint32_t depth = 1; depth <= 4; ++depth) {
-      const double expected = emitted * std::pow(double(kCaveAlbedo[c]), depth - 1);
-      EXPECT_NEAR(FluxOf(maps.indirect, c, depth) / expected, 1, depth < 4 ? 0.002 : 0.04)
-          << "channel " << c << ", depth " << depth;
-    }
-  }
-}
-
-// Behind glass, only caustics are stored, and nothing that light samples find.
-Scene UnderGlass() {
-  Scene scene;
-  Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
-  Place(scene, Facetted(Sphere(0.5f, 12)), AddGlass(scene, 1.5f), {0, 0.9f, 0});
-  scene.camera = LookAtCamera({0, 0.6f, 2}, {0, 0, 0.1f}, {0, 1, 0}, 40, false);
-  return scene;
-}
-
-TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
-  Scene scene = UnderGlass();
-  SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
-  JobRequest request = Request(8, 8, 1, 6);
-  for (const std::uint32_t gather : {0u, 1u}) {
-    request.options.of<PhotonOptions>().gather = gather;
-    const PhotonMaps maps = MapsOf(RenderJob(scene, request));
-    ASSERT_GT(maps.caustic.size(), 1000u);
-    EXPECT_EQ(FluxOf(maps.caustic, 0, 1), 0) << "direct light is no caustic";
-    EXPECT_GT(FluxOf(maps.caustic, 0, 3), 0) << "in and out of the ball";
-    if (gather == 0) {
-      EXPECT_EQ(FluxOf(maps.indirect, 0, 1), 0);
-      // The floor is flat, so between two of its points there must be glass.
-      EXPECT_EQ(FluxOf(maps.indirect, 0, 2), 0);
-    } else {
-      EXPECT_GT(FluxOf(maps.indirect, 0, 1), 0);
-    }
-  }
-}
-
-// Returns where the photons of a map came from and arrived, which identifies light paths.
-std::set<std::array<float, 3>> PlacesOf(const PhotonMap& map) {
-  const PointTreeView tree = map.view().tree;
-  std::set<std::array<float, 3>> places;
-  for (std::uint32_t i = 0; i < map.size(); ++i) places.insert({tree.x[i], tree.y[i], tree.z[i]});
-  return places;
-}
-std::size_t InBoth(const std::set<std::array<float, 3>>& a,
-                   const std::set<std::array<float, 3>>& b) {
-  return std::size_t(std::count_if(a.begin(), a.end(), [&](const auto& p) { return b.count(p); }));
-}
-
-// Both maps are looked up at every surface, so a photon in both would count twice.
-TEST(Photon, EachPhotonIsInOneMapOnly) {
-  Scene scene = UnderGlass();
-  SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
-  JobRequest request = Request(8, 8, 1, 6);
-  request.options.of<PhotonOptions>().gather = 0;
-  const PhotonMaps maps = MapsOf(RenderJob(scene, request));
-  const auto caustic = PlacesOf(maps.caustic), indirect = PlacesOf(maps.indirect);
-  ASSERT_GT(caustic.size(), 1000u);
-  ASSERT_GT(indirect.size(), 1000u);
-  EXPECT_EQ(InBoth(caustic, indirect), 0u);
-}
-
-// The mean of all passes only converges if each of them has new photons.
-TEST(Photon, PassesHavePhotonsOfTheirOwn) {
-  JobRequest request = Request(8, 8, 4, 3);
-  request.options.of<PhotonOptions>().indirect = 2000;
-  request.options.of<PhotonOptions>().passes = 4;
-  const RenderJob job(ShiningCave(), request);
-  const FrameView frame = job.frame();
-  WorkerPool pool = TwoThreads(frame);
-  std::set<std::array<float, 3>> before;
-  pool.Run([&] {
-    for (const PhotonPass& pass : PhotonPasses(frame.options)) {
-      const auto places = PlacesOf(TracePhotons(frame, pass, pool).indirect);
-      EXPECT_GE(places.size(), 1900u);
-      EXPECT_EQ(InBoth(places, before), 0u) << "from sample " << pass.samples.first;
-      before.insert(places.begin(), places.end());
-    }
-  });
-}
-
 // The product of Knaus and Zwicker 2011, eq. 15, is a quotient of gamma functions.
 TEST(Photon, RadiiShrinkByTheFormula) {
   for (const float alpha : {0.3f, 2.0f / 3, 0.9f}) {
-    JobRequest request = Request(8, 8, 400, 3);
+    JobRequest request = PhotonRequest(8, 8, 400, 3);
     request.options.of<PhotonOptions>().passes = 200;
     request.options.of<PhotonOptions>().alpha = alpha;
     const RenderJob job(ShiningCave(), request);
@@ -261,7 +136,7 @@ TEST(Photon, ThreadsAndWavesDoNotMatter) {
   SetLight(scene, SkyWithSun(32, 16, 40, 0.3));
   for (const std::uint32_t passes : {1u, 3u}) {
     for (const std::uint32_t gather : {0u, 2u}) {
-      JobRequest request = Request(13, 11, 5, 6);
+      JobRequest request = PhotonRequest(13, 11, 5, 6);
       request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic =
           3000;
       request.options.of<PhotonOptions>().passes = passes;
@@ -349,7 +224,7 @@ double PhotonsOverPaths(const Scene& scene, const JobRequest& request) {
 // looked photons up at the other wall would be off by 16 and 13 %. What is left is the blur of
 // longer rays.
 TEST(Photon, ShortRaysOfAGatherContinue) {
-  JobRequest request = Request(8, 8, 256, 6);
+  JobRequest request = PhotonRequest(8, 8, 256, 6);
   request.options.of<PhotonOptions>().indirect = 20000;
   request.options.of<PhotonOptions>().neighbors = 10000;
   request.options.of<PhotonOptions>().distance = 0.4f;
@@ -365,7 +240,7 @@ TEST(Photon, ShortRaysOfAGatherSeeCaustics) {
   const std::uint32_t pane = AddGlass(scene, 1.5f);
   scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
   Place(scene, Quad(1), pane, glm::vec3(0));
-  JobRequest request = Request(8, 8, 256, 6);
+  JobRequest request = PhotonRequest(8, 8, 256, 6);
   request.options.of<PhotonOptions>().indirect = 20000;
   request.options.of<PhotonOptions>().caustic = 200000;
   request.options.of<PhotonOptions>().neighbors = 1000;
@@ -375,12 +250,12 @@ TEST(Photon, ShortRaysOfAGatherSeeCaustics) {
 // With smaller disks and more photons, both bias and noise decrease.
 TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
   const Scene scene = Room();
-  const Image reference = PathTraced(scene, Request(kSide, kSide, 1, 5), 4096);
+  const Image reference = PathTraced(scene, PhotonRequest(kSide, kSide, 1, 5), 4096);
   for (const std::uint32_t gather : {0u, 2u}) {
     double before = 0;
     for (const std::uint32_t photons : {500u, 8000u, 128000u}) {
       SCOPED_TRACE("gather " + std::to_string(gather) + ", photons " + std::to_string(photons));
-      JobRequest request = Request(kSide, kSide, 256, 5);
+      JobRequest request = PhotonRequest(kSide, kSide, 256, 5);
       request.options.of<PhotonOptions>().gather = gather;
       request.options.of<PhotonOptions>().indirect = photons;
       request.options.of<PhotonOptions>().caustic = photons / 4;
@@ -401,7 +276,7 @@ TEST(Photon, ProgressiveRadiiFitWhatPixelsSee) {
   Mesh floor = Quad(40);
   for (glm::vec3& p : floor.positions) p.y -= 0.01f;
   Place(scene, floor, 0, glm::vec3(0));
-  JobRequest request = Request(160, 120, 8, 4);
+  JobRequest request = PhotonRequest(160, 120, 8, 4);
   request.options.of<PhotonOptions>().indirect = 100000;
   const std::array<double, 3> expected = MeanOf(PathTraced(scene, request, 64));
   request.options.of<PhotonOptions>().passes = 8;
@@ -419,7 +294,7 @@ TEST(Photon, PartsHaveTheRadiusOfTheWhole) {
   for (const CameraKind kind : kCameraKinds) {
     SCOPED_TRACE(ToString(kind));
     const auto radius = [&](const std::optional<CropWindow>& crop) {
-      JobRequest request = Request(96, 64, 2, 3);
+      JobRequest request = PhotonRequest(96, 64, 2, 3);
       request.options.of<PhotonOptions>().indirect = 500;
       request.options.of<PhotonOptions>().passes = 2;
       request.camera.kind = kind;
@@ -434,11 +309,11 @@ TEST(Photon, PartsHaveTheRadiusOfTheWhole) {
 
 TEST(Photon, ProgressivePassesConverge) {
   const Scene scene = Room();
-  const Image reference = PathTraced(scene, Request(kSide, kSide, 1, 5), 4096);
+  const Image reference = PathTraced(scene, PhotonRequest(kSide, kSide, 1, 5), 4096);
   double before = 0;
   for (const std::uint32_t passes : {2u, 16u, 128u}) {
     SCOPED_TRACE(passes);
-    JobRequest request = Request(kSide, kSide, 4 * passes, 5);
+    JobRequest request = PhotonRequest(kSide, kSide, 4 * passes, 5);
     request.options.of<PhotonOptions>().gather = 0;
     request.options.of<PhotonOptions>().indirect = 2000;
     request.options.of<PhotonOptions>().caustic = 500;
@@ -456,15 +331,15 @@ TEST(Photon, ProgressivePassesConverge) {
 TEST(Photon, RefusesImpossibleRequests) {
   Scene scene = UnderGlass();
   SetConstantLight(scene, 0);
-  ExpectRefused(scene, Request(4, 4, 1, 3), "nothing shines");
+  ExpectRefused(scene, PhotonRequest(4, 4, 1, 3), "nothing shines");
   SetConstantLight(scene, 1);
-  JobRequest none = Request(4, 4, 1, 3);
+  JobRequest none = PhotonRequest(4, 4, 1, 3);
   none.options.of<PhotonOptions>().indirect = none.options.of<PhotonOptions>().caustic = 0;
   ExpectRefused(scene, none, "needs photons");
-  JobRequest passes = Request(4, 4, 3, 3);
+  JobRequest passes = PhotonRequest(4, 4, 3, 3);
   passes.options.of<PhotonOptions>().passes = 4;
   ExpectRefused(scene, passes, "spp");
-  JobRequest layers = Request(4, 4, 1, 3);
+  JobRequest layers = PhotonRequest(4, 4, 1, 3);
   layers.options.aovs = *ParseAovs("direct");
   ExpectRefused(scene, layers, "direct");
 }
@@ -473,7 +348,7 @@ TEST(Photon, RefusesImpossibleRequests) {
 TEST(Photon, TakesEveryStrategyForDirectLight) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(32, 16, 2, 0.3));
-  JobRequest request = Request(8, 6, 256, 4);
+  JobRequest request = PhotonRequest(8, 6, 256, 4);
   request.options.of<PhotonOptions>().indirect = request.options.of<PhotonOptions>().caustic = 5000;
   const std::array<double, 3> expected = MeanOf(Render(RenderJob(scene, request)));
   for (const char* const strategy : {"product", "ris", "cosine"}) {
@@ -489,7 +364,7 @@ TEST(Photon, EndsWithoutPhotons) {
   Scene scene;
   Place(scene, Sphere(1, 8), AddLambert(scene, "ball", glm::vec3(0.5f)), glm::vec3(0));
   SetConstantLight(scene, 1);
-  JobRequest request = Request(8, 8, 4, 5);
+  JobRequest request = PhotonRequest(8, 8, 4, 5);
   request.options.of<PhotonOptions>().indirect = 1000;
   request.options.of<PhotonOptions>().gather = 0;
   const RenderJob job(scene, request);

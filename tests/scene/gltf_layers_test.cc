@@ -144,6 +144,34 @@ TEST_F(GltfLayers, GrainsWithoutADirectionAreNamed) {
   EXPECT_NE(warnings[0].find("no tangents and no texture coordinates"), std::string::npos);
 }
 
+// A grain lies along the first coordinates of a mesh: those of the normal map, or else of its own
+// texture, whichever textures are read before them.
+TEST_F(GltfLayers, GrainsLieAlongTheCoordinatesOfTheirTexture) {
+  WritePng(folder_.Write("t.png", ""), 2, 1, {255, 128, 51, 0, 64, 204});
+  json document = Document();
+  document["images"] = {{{"uri", "t.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& attributes = document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"];
+  json& material = document["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorTexture"] = texture_;
+  const auto set_of_color = [&] {
+    const Scene scene = Read(document);
+    return scene.textures.at(Body(scene).color_texture.value()).uv_set;
+  };
+  EXPECT_EQ(set_of_color(), UvSet::kFirst);
+  const json second = {{"index", 0}, {"texCoord", 1}};
+  material["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.5},
+                                                        {"anisotropyTexture", second}};
+  EXPECT_EQ(set_of_color(), UvSet::kSecond);
+  material["normalTexture"] = texture_;
+  EXPECT_EQ(set_of_color(), UvSet::kFirst);
+  material["normalTexture"] = second;
+  EXPECT_EQ(set_of_color(), UvSet::kSecond);
+  material.erase("extensions");
+  EXPECT_EQ(set_of_color(), UvSet::kFirst) << "normals know their own coordinates";
+}
+
 // The second axis of images, from which a grain turns away, is that of the file's tangents, or else
 // of its texture coordinates, whose v grows downwards.
 TEST_F(GltfLayers, GrainsKnowWhereImagesAreMirrored) {
