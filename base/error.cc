@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+
 namespace skywave {
 namespace {
 
@@ -16,18 +19,39 @@ std::string Listed(const std::vector<OptionValue>& options) {
   return text;
 }
 
+// Returns the number of bytes of the first character, or 0 if these are not UTF-8 (RFC 3629).
+std::size_t LengthOfCharacter(std::string_view text) {
+  const auto byte = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  if (first < 0xc2 || first > 0xf4) return 0;
+  const std::size_t length = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  }
+  // Longer than need be, half of a pair of UTF-16, or beyond the last character.
+  const bool wrong = (first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) >= 0xa0) ||
+                     (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) >= 0x90);
+  return wrong ? 0 : length;
+}
+
 }  // namespace
 
 std::string WithoutControlCodes(std::string text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
+  std::string clean;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = LengthOfCharacter(std::string_view(text).substr(i));
     const auto byte = static_cast<unsigned char>(text[i]);
     // In UTF-8, the codes from 0x80 to 0x9f begin with 0xc2.
-    const bool second =
-        i > 0 && static_cast<unsigned char>(text[i - 1]) == 0xc2 && byte >= 0x80 && byte < 0xa0;
-    if (second) text[i - 1] = '?';
-    if (byte < 0x20 || byte == 0x7f || second) text[i] = '?';
+    const bool second = byte == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0;
+    const bool detail = text.compare(i, 3, "\n  ") == 0;
+    const bool shown = length > 0 && !second && byte != 0x7f && (byte >= 0x20 || detail);
+    clean += shown ? text.substr(i, length) : "?";
+    i += std::max<std::size_t>(length, 1);
   }
-  return text;
+  return clean;
 }
 
 std::string ToString(const InputPosition& position) {
@@ -42,6 +66,12 @@ InputError::InputError(const InputPosition& position, const std::string& reason,
       exit_code_(exit_code),
       place_(position.path.empty() ? "" : ToString(position)),
       reason_(WithoutControlCodes(reason)) {}
+
+InputError InputError::NoSuchFile(const InputPosition& position, const std::string& name) {
+  InputError error(position, fmt::format("there is no file \"{}\"", name), kExitIo);
+  error.missing_file_ = name;
+  return error;
+}
 
 OptionError::OptionError(std::vector<OptionValue> options, const std::string& why)
     : InputError(InputPosition::File(Listed(options)), why, kExitUsage),

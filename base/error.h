@@ -35,7 +35,8 @@ struct InputPosition {
 };
 
 // Returns the text with question marks for codes that a terminal obeys, which names in files may
-// hold.
+// hold, and for bytes that are not UTF-8. A line break stays where the next line is indented by two
+// blanks, as details of a message are.
 std::string WithoutControlCodes(std::string text);
 
 // Returns "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
@@ -47,13 +48,16 @@ class InputError : public std::runtime_error {
   // control codes.
   InputError(const InputPosition& position, const std::string& reason,
              int exit_code = kExitBadInput);
+  // Returns the error of a name at `position` which no file has.
+  static InputError NoSuchFile(const InputPosition& position, const std::string& name);
   int exit_code() const { return exit_code_; }
   const std::string& place() const { return place_; }  // as ToString gives the position
   const std::string& reason() const { return reason_; }
+  const std::string& missing_file() const { return missing_file_; }  // empty: of something else
 
  private:
   int exit_code_;
-  std::string place_, reason_;
+  std::string place_, reason_, missing_file_;
 };
 
 // An option by its bare name, and its value as the user gives it; empty: the option alone matters.

@@ -210,6 +210,11 @@ void FilesRead::CheckAreNot(std::span<const std::string> outputs) const {
   }
 }
 
+void RefuseUtf16(std::string_view text, const std::string& path) {
+  if (!text.starts_with("\xFF\xFE") && !text.starts_with("\xFE\xFF")) return;
+  throw InputError(InputPosition::File(path), "is text in UTF-16: save it as UTF-8");
+}
+
 std::string ReadFile(const std::string& path, std::size_t max_bytes) {
   if (files_read != nullptr) files_read->names_.push_back(path);
   std::error_code ignored;

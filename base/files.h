@@ -13,6 +13,8 @@ namespace skywave {
 
 // What some programs write before UTF-8.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+// Throws InputError for text that is UTF-16, as its first bytes say.
+void RefuseUtf16(std::string_view text, const std::string& path);
 
 // Returns the bytes of `path`. Throws InputError (kExitIo) if it cannot be read or has more than
 // `max_bytes` bytes.

@@ -345,7 +345,7 @@ std::vector<JobOption> ReadingRows() {
   return {
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
-    Plain({.name = "missing", .group = kReading, .help = "what becomes of a scene that names textures, material libraries or meshes that are missing or cannot be read: they are left out with a warning, or the scene is refused", .scope = kInput, .example = "--missing refuse", .default_text = "skip", .of_reading = true},
+    Plain({.name = "missing", .group = kReading, .help = "what becomes of a scene that names textures, images of lights, material libraries or meshes that are missing or cannot be read: they are left out with a warning, or the scene is refused", .scope = kInput, .example = "--missing refuse", .default_text = "skip", .of_reading = true},
           FIELD(read.missing), NamesOfEnum<MissingFiles>()),
     Plain({.name = "vertex-colors", .group = kReading, .help = "whether colours of vertices are factors of the surface's", .scope = kPixels, .example = "--vertex-colors off", .default_text = "on", .of_reading = true},
           FIELD(read.vertex_colors), NamesOfEnum<VertexColors>()),

@@ -2,23 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scene/scene.h"
 
 namespace skywave {
 
 namespace {
 
-// Returns what the line of an entry begins with: "materials 'a', 'b', 'c' and 4 more: ".
-std::string NamesOf(const Warnings::Entry& entry) {
-  if (entry.names.empty()) return "";
-  std::string text = entry.thing + (entry.named > 1 ? "s" : "");
+// Returns the text of an entry with its names: "materials 'a', 'b', 'c' and 4 more: ...".
+std::string TextOf(const Warnings::Entry& entry) {
+  if (entry.names.empty()) return entry.text;
+  const char quote = entry.missing ? '"' : '\'';
+  std::string names;
   for (const std::string& name : entry.names) {
-    text += (&name == entry.names.data() ? " '" : ", '") + name + "'";
+    names += (names.empty() ? "" : ", ") + (quote + name + quote);
   }
   if (entry.named > entry.names.size()) {
-    text += fmt::format(" and {} more", entry.named - entry.names.size());
+    names += fmt::format(" and {} more", entry.named - entry.names.size());
   }
-  return text + ": ";
+  const bool one = entry.named == 1;
+  if (entry.missing) {
+    return fmt::format("{}: there {} {}: {}", entry.thing, one ? "is no file" : "are no files",
+                       names, entry.text);
+  }
+  return fmt::format("{}{} {}: {}", entry.thing, one ? "" : "s", names, entry.text);
 }
 
 void AddRemark(Warnings& warnings, const InputPosition& position, const std::string& raw,
@@ -35,35 +43,44 @@ std::vector<std::string> Lines(const Warnings& warnings, bool of_warnings) {
   std::vector<std::string> lines;
   for (const Warnings::Entry& entry : warnings.entries) {
     if (entry.is_warning != of_warnings) continue;
-    lines.push_back(fmt::format("{}: {}{}", ToString(entry.first), NamesOf(entry), entry.text));
-    if (entry.count > 1) lines.back() += fmt::format(" ({} times)", entry.count);
+    lines.push_back(fmt::format("{}: {}", ToString(entry.first), TextOf(entry)));
+    if (entry.count > std::max<std::size_t>(entry.named, 1))
+      lines.back() += fmt::format(" ({} times)", entry.count);
   }
   return lines;
+}
+
+// Adds a name to the entry of its thing and text. `missing` as in Warnings::Entry.
+void AddNamed(Warnings& warnings, const InputPosition& position, const std::string& thing,
+              const std::string& name, const std::string& text, bool missing) {
+  constexpr std::size_t kMostNames = 3;
+  const std::string clean = WithoutControlCodes(text), of = WithoutControlCodes(name);
+  const auto [found, is_new] = warnings.by_text.try_emplace(
+      fmt::format("{}: {}{}", thing, missing ? "no file: " : "", clean), warnings.entries.size());
+  if (is_new) {
+    warnings.entries.push_back({.first = position,
+                                .text = clean,
+                                .count = missing ? 0u : 1u,
+                                .thing = thing,
+                                .names = {},
+                                .missing = missing,
+                                .is_warning = true});
+  }
+  Warnings::Entry& entry = warnings.entries[found->second];
+  entry.count += missing;
+  if (!entry.names.empty() && entry.last == of) return;
+  entry.last = of;
+  ++entry.named;
+  if (entry.names.size() < kMostNames) entry.names.push_back(of);
 }
 
 }  // namespace
 
 void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::string& thing,
                   const std::string& name, const std::string& text) {
-  constexpr std::size_t kMostNames = 3;
   if (warnings.strict)
     AddWarning(warnings, position, fmt::format("{} '{}': {}", thing, name, text));
-  const std::string clean = WithoutControlCodes(text), of = WithoutControlCodes(name);
-  const auto [found, is_new] =
-      warnings.by_text.try_emplace(thing + ": " + clean, warnings.entries.size());
-  if (is_new) {
-    warnings.entries.push_back({.first = position,
-                                .text = clean,
-                                .count = 1,
-                                .thing = thing,
-                                .names = {},
-                                .is_warning = true});
-  }
-  Warnings::Entry& entry = warnings.entries[found->second];
-  if (!entry.names.empty() && entry.last == of) return;
-  entry.last = of;
-  ++entry.named;
-  if (entry.names.size() < kMostNames) entry.names.push_back(of);
+  AddNamed(warnings, position, thing, name, text, false);
 }
 
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text) {
@@ -80,7 +97,12 @@ void AddMissing(Warnings& warnings, const InputPosition& position, std::string_v
   const std::string text =
       fmt::format("{}: {}: {}", thing, here ? error.reason() : error.what(), consequence);
   RefuseMissing(warnings, position, text);
-  AddWarning(warnings, position, text);
+  if (warnings.strict || error.missing_file().empty()) {
+    AddWarning(warnings, position, text);
+  } else {
+    AddNamed(warnings, position, std::string(thing), error.missing_file(), std::string(consequence),
+             true);
+  }
 }
 
 void RefuseMissing(const Warnings& warnings, const InputPosition& position,

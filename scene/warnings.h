@@ -23,6 +23,7 @@ struct Warnings {
     std::string thing;
     std::vector<std::string> names;
     std::size_t named = 0;  // how many there are
+    bool missing = false;   // the names are of files that are not there, for `thing`
     std::string last;       // the last name, which is not counted twice in a row
     bool is_warning = false;
   };
@@ -43,7 +44,8 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
                   const std::string& name, const std::string& text);
 
 // Warns that the file of `thing` is missing or cannot be read, as `error` says, and what is done
-// without it. RefuseMissing throws such a warning where these scenes are refused, and does nothing
+// without it. Files that are not there are one line for each thing, as with AddWarningOf.
+// RefuseMissing throws such a warning where these scenes are refused, and does nothing
 // else.
 void AddMissing(Warnings& warnings, const InputPosition& position, std::string_view thing,
                 const InputError& error, std::string_view consequence);

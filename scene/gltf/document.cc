@@ -77,7 +77,6 @@ Container ChunksOf(std::string_view bytes, const std::string& path) {
 
 Container ContainerOf(std::string_view bytes, const std::string& path) {
   if (bytes.starts_with("glTF")) return ChunksOf(bytes, path);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   return {.json = bytes, .binary = std::nullopt};
 }
@@ -86,15 +85,20 @@ Container ContainerOf(std::string_view bytes, const std::string& path) {
 void CheckVersion(const json& document, const std::string& path) {
   if (!document.is_object()) FailGltf(path, "is no glTF file: it is no JSON object");
   const json asset = document.value("asset", json::object());
-  const std::string version = asset.is_object() ? asset.value("version", "") : "";
+  // Old programs write numbers.
+  const auto text_of = [&](const char* key) -> std::string {
+    if (!asset.is_object() || !asset.contains(key)) return "";
+    return asset[key].is_string() ? asset[key].get<std::string>() : asset[key].dump();
+  };
+  const std::string version = text_of("version");
   // Files of version 1 name things by words, in objects, and some of them lack the version.
   const bool named = document.contains("meshes") && document["meshes"].is_object();
   if (version.starts_with("1") || (version.empty() && named)) {
     FailGltf(path, "is glTF 1.0, which is not supported: convert it to 2.0");
   }
   if (version.empty()) FailGltf(path, "is no glTF file: it has no asset.version");
-  const std::string least = asset.value("minVersion", "2.0");
-  if (!version.starts_with("2.") || !(least == "2.0" || least == "2")) {
+  const std::string least = text_of("minVersion");
+  if (!version.starts_with("2.") || !(least.empty() || least == "2.0" || least == "2")) {
     FailGltf(path, fmt::format("needs glTF {}, and only 2.0 is supported",
                                (version.starts_with("2.") ? least : version).substr(0, 20)));
   }

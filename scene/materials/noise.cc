@@ -24,28 +24,41 @@ constexpr std::uint8_t kPermutation[256] = {
 
 std::uint8_t Permuted(int i) { return kPermutation[i & 255]; }
 
-// The gradient of a corner is one of the twelve directions to the edges of a cube; four of them
-// count twice.
-double CornerNoise(const glm::ivec3& corner, const glm::dvec3& away) {
-  const int hash = Permuted(Permuted(Permuted(corner.x) + corner.y) + corner.z) & 15;
+// Returns the gradient of a corner times the way from it. It is one of the twelve directions to the
+// edges of a cube; four of them count twice.
+double CornerNoise(int hash, const glm::dvec3& away) {
+  hash &= 15;
   const double u = hash < 8 || hash == 12 || hash == 13 ? away.x : away.y;
   const double v = hash < 4 || hash == 12 || hash == 13 ? away.y : away.z;
   return (hash & 1 ? -u : u) + (hash & 2 ? -v : v);
+}
+
+// Returns a whole number modulo the period.
+int InPeriod(double whole) {
+  constexpr double kPeriod = 256, kMostInt = 1 << 30;
+  // Coordinates that no int can hold are far beyond the period.
+  if (!(std::abs(whole) < kMostInt)) whole -= kPeriod * std::floor(whole / kPeriod);
+  return int(whole) & 255;
 }
 
 }  // namespace
 
 double GradientNoise(const glm::dvec3& at) {
   const glm::dvec3 whole = glm::floor(at), inside = at - whole;
-  // Coordinates that no int can hold are far beyond the period.
-  const glm::ivec3 cell(glm::mod(whole, 256.0));
+  const int x = InPeriod(whole.x), y = InPeriod(whole.y), z = InPeriod(whole.z);
   const glm::dvec3 share =
       inside * inside * inside * (inside * (inside * 6.0 - 15.0) + glm::dvec3(10));
+  const glm::dvec3 weights[2] = {1.0 - share, share}, away[2] = {inside, inside - 1.0};
+  const int rows[2] = {Permuted(x), Permuted(x + 1)};
   double noise = 0;
-  for (int i = 0; i < 8; ++i) {
-    const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2);
-    const glm::dvec3 weight = glm::mix(1.0 - share, share, glm::dvec3(step));
-    noise += weight.x * weight.y * weight.z * CornerNoise(cell + step, inside - glm::dvec3(step));
+  for (int k = 0; k < 2; ++k) {
+    for (int j = 0; j < 2; ++j) {
+      for (int i = 0; i < 2; ++i) {
+        const int hash = Permuted(Permuted(rows[i] + y + j) + z + k);
+        noise += weights[i].x * weights[j].y * weights[k].z *
+                 CornerNoise(hash, {away[i].x, away[j].y, away[k].z});
+      }
+    }
   }
   return noise;
 }

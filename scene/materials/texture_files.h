@@ -18,6 +18,7 @@ inline constexpr ReadLimits kTextureLimits = {
 struct TextureFiles {
   Scene* scene;  // receives the images
   std::map<std::pair<std::string, Encoding>, std::uint32_t> images = {};
+  std::size_t baked_texels = 0;  // of images made from several files
 };
 
 // Returns the index in Scene::images of the image of a file. Colours must be finite and not

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <unordered_set>
 
@@ -27,20 +29,21 @@ struct Tables {
   IndexedTable positions{"vertex"}, uvs{"texture vertex"}, normals{"normal"};
 };
 
-// Checks one index of a corner. Positive indices may refer to later elements, so they are compared
-// at the end.
-void CheckIndex(const ObjLines& lines, std::string_view text, IndexedTable& table) {
+// Returns what is wrong with one index of a corner. Positive indices may refer to later elements,
+// so they are compared at the end.
+std::optional<std::string> CheckIndex(const ObjLines& lines, std::string_view text,
+                                      IndexedTable& table) {
   std::int32_t index = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), index);
   if (error != std::errc() || stop != text.data() + text.size()) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is no index", text.substr(0, 40)));
   }
-  if (index == 0) throw InputError(PositionOf(lines), "index 0: OBJ counts from 1");
+  if (index == 0) return "index 0, and OBJ counts from 1";
   if (index < -table.count) {
-    throw InputError(PositionOf(lines),
-                     fmt::format("{} index {} with {} before it", table.name, index, table.count));
+    return fmt::format("{} index {} with {} before it", table.name, index, table.count);
   }
   if (index > table.greatest) table.greatest = index, table.greatest_line = lines.line;
+  return std::nullopt;
 }
 
 // The parts of a corner: v, v/vt, v//vn or v/vt/vn; some programs write a slash with nothing after
@@ -55,14 +58,29 @@ struct Corner {
   std::string_view position, uv, normal;
 };
 
-void CheckCorner(const ObjLines& lines, std::string_view word, Tables& tables) {
-  const Corner corner(word);
-  CheckIndex(lines, corner.position, tables.positions);
-  if (!corner.uv.empty()) CheckIndex(lines, corner.uv, tables.uvs);
-  if (!corner.normal.empty()) CheckIndex(lines, corner.normal, tables.normals);
+// Blanks out a statement, with a warning.
+void LeaveOut(ObjLines& lines, const std::vector<std::string_view>& words, const std::string& why,
+              Warnings& warnings) {
+  AddWarning(warnings, PositionOf(lines), why + ": left out");
+  BlankOut(lines, WholeStatement(words));
 }
 
-// Returns whether the statement is a face that can be read; others are blanked out.
+// Returns whether all corners of a face, of points or of a line can be there; others are left out.
+bool CheckCorners(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
+                  Warnings& warnings) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const Corner corner(words[i]);
+    auto wrong = CheckIndex(lines, corner.position, tables.positions);
+    if (!wrong && !corner.uv.empty()) wrong = CheckIndex(lines, corner.uv, tables.uvs);
+    if (!wrong && !corner.normal.empty()) wrong = CheckIndex(lines, corner.normal, tables.normals);
+    if (!wrong) continue;
+    LeaveOut(lines, words, fmt::format("'{}' with {}", words[0], *wrong), warnings);
+    return false;
+  }
+  return true;
+}
+
+// Returns whether the statement is a face that can be read; others are left out.
 bool CheckFace(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
                Warnings& warnings) {
   const std::size_t corners = words.size() - 1;
@@ -70,20 +88,19 @@ bool CheckFace(ObjLines& lines, const std::vector<std::string_view>& words, Tabl
     throw InputError(PositionOf(lines), fmt::format("a face of {} corners; up to {} can be read",
                                                     corners, kMaxObjCorners));
   }
-  for (std::size_t i = 1; i < words.size(); ++i) CheckCorner(lines, words[i], tables);
+  if (!CheckCorners(lines, words, tables, warnings)) return false;
   if (corners >= 3) return true;
-  AddWarning(warnings, PositionOf(lines), "a face of fewer than three corners: left out");
-  BlankOut(lines, WholeStatement(words));
+  LeaveOut(lines, words, "a face of fewer than three corners", warnings);
   return false;
 }
 
 // Reads a statement of points or of a line through several vertices.
-void ReadPointsOrLine(const ObjLines& lines, const std::vector<std::string_view>& words,
-                      Tables& tables, ObjStatements& statements) {
+void ReadPointsOrLine(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
+                      ObjStatements& statements, Warnings& warnings) {
+  if (!CheckCorners(lines, words, tables, warnings)) return;
   if (statements.parts_line == 0) statements.parts_line = lines.line;
   std::vector<std::uint32_t> vertices;
   for (std::size_t i = 1; i < words.size(); ++i) {
-    CheckCorner(lines, words[i], tables);
     const std::string_view word = Corner(words[i]).position;
     std::int64_t index = 0;
     std::from_chars(word.data(), word.data() + word.size(), index);
@@ -129,11 +146,38 @@ void ForgetUnless(IndexedTable& table, const ObjLines& lines, Warnings& warnings
   table.greatest = 0;
 }
 
-void CheckRange(const ObjLines& lines, const IndexedTable& table) {
-  if (table.greatest <= table.count) return;
-  throw InputError(
-      InputPosition::Line(lines.path, table.greatest_line),
-      fmt::format("{} index {}, but the file has {}", table.name, table.greatest, table.count));
+// Returns whether an index of a corner, where it has one, is beyond the elements of the file.
+bool IsBeyond(std::string_view text, const IndexedTable& table) {
+  std::int64_t index = 0;
+  std::from_chars(text.data(), text.data() + text.size(), index);
+  return table.greatest > 0 && index > table.count;
+}
+
+// Leaves out all faces, points and lines of elements that the file does not have.
+void LeaveOutBeyond(ObjLines& lines, const Tables& tables, ObjStatements& statements,
+                    Warnings& warnings) {
+  std::vector<std::string_view> words;
+  lines.next = lines.joins_read = 0, lines.next_line = 1;
+  while (NextStatement(lines, words)) {
+    if (words[0] != "f") continue;
+    const bool beyond = std::any_of(words.begin() + 1, words.end(), [&](std::string_view word) {
+      const Corner corner(word);
+      return IsBeyond(corner.position, tables.positions) || IsBeyond(corner.uv, tables.uvs) ||
+             IsBeyond(corner.normal, tables.normals);
+    });
+    if (!beyond) continue;
+    LeaveOut(lines, words, "a face with indices beyond the elements of the file", warnings);
+    --statements.faces;
+  }
+  const auto beyond = [&](std::uint32_t vertex) { return vertex >= tables.positions.count; };
+  PointsAndLines& parts = statements.parts;
+  const std::size_t erased =
+      std::erase_if(parts.points, beyond) + std::erase_if(parts.lines, [&](const auto& line) {
+        return beyond(line.x) || beyond(line.y);
+      });
+  if (erased == 0) return;
+  AddWarning(warnings, InputPosition::Line(lines.path, statements.parts_line),
+             "points or lines of vertices that the file does not have: left out");
 }
 
 }  // namespace
@@ -171,7 +215,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
         statements.materials.push_back(name);
       }
     } else if (word == "p" || word == "l") {
-      ReadPointsOrLine(lines, words, tables, statements);
+      ReadPointsOrLine(lines, words, tables, statements, warnings);
       BlankOut(lines, WholeStatement(words));
     } else if (word == "t" || word == "vw") {
       // These are extensions of tinyobjloader, which trusts the counts in them.
@@ -188,8 +232,9 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
     ForgetUnless(*table, lines, warnings);
   }
   if (rewrite) RewriteCorners(lines, tables, lines.text);
-  for (const IndexedTable& table : {tables.positions, tables.uvs, tables.normals}) {
-    CheckRange(lines, table);
+  const auto beyond = [](const IndexedTable& table) { return table.greatest > table.count; };
+  if (beyond(tables.positions) || beyond(tables.uvs) || beyond(tables.normals)) {
+    LeaveOutBeyond(lines, tables, statements, warnings);
   }
   return statements;
 }

@@ -32,10 +32,10 @@ struct ObjStatements {
   std::size_t parts_line = 0;  // the first one's
 };
 
-// Throws InputError with the line for words that are not finite numbers and indices out of range.
-// Adds warnings for what is left out, and blanks out in `lines` what tinyobjloader would take for
-// something else: its own statements, faces of fewer than three corners, indices of elements that
-// the file does not have; also points and lines, which are read here.
+// Throws InputError with the line for words that are not finite numbers. Adds warnings for what is
+// left out, and blanks out in `lines` what tinyobjloader would take for something else: its own
+// statements, faces of fewer than three corners or with indices of elements that the file does not
+// have, indices into tables that are empty; also points and lines, which are read here.
 ObjStatements CheckObj(ObjLines& lines, Warnings& warnings);
 
 }  // namespace skywave

@@ -39,6 +39,7 @@ void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& word
 ObjLines MakeObjLines(std::string text, std::string path) {
   ObjLines lines{.path = std::move(path), .text = std::move(text)};
   std::string& t = lines.text;
+  RefuseUtf16(t, lines.path);
   if (t.starts_with(kByteOrderMark))
     t.replace(0, kByteOrderMark.size(), kByteOrderMark.size(), ' ');
   for (std::size_t i = t.find('\r'); i != std::string::npos; i = t.find('\r', i + 1)) {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/materials/metals.h"
+#include "scene/materials/texture_baking.h"
 #include "scene/obj/lines.h"
 
 namespace skywave {
@@ -40,8 +43,11 @@ InputPosition At(const Entry& entry, std::string_view word) {
              : InputPosition::Line(entry.position.path, found->second.line);
 }
 
-bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+bool IsOneOf(std::string_view word, std::span<const std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
+}
+bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+  return IsOneOf(word, std::span(words.begin(), words.size()));
 }
 
 bool IsMap(std::string_view word) {
@@ -51,9 +57,12 @@ bool IsMap(std::string_view word) {
 // All these statements set the one map of normals or heights.
 constexpr std::array<std::string_view, 4> kReliefMaps = {"norm", "bump", "map_bump", "map_Bump"};
 
+// Roughness, metal, sheen, coat and its roughness.
+constexpr std::array<std::string_view, 5> kPhysical = {"Pr", "Pm", "Ps", "Pc", "Pcr"};
+
 bool IsRenderedMap(std::string_view word) {
-  return IsOneOf(word, {"map_Kd", "map_Ke", "map_d"}) ||
-         std::find(kReliefMaps.begin(), kReliefMaps.end(), word) != kReliefMaps.end();
+  return IsOneOf(word, {"map_Kd", "map_Ke", "map_d", "map_Pr", "map_Pm"}) ||
+         IsOneOf(word, kReliefMaps);
 }
 
 // A colour has one number (grey) or three. Spectra are refused by their first word.
@@ -69,7 +78,7 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
     if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 1e18) {
       throw InputError(PositionOf(lines), "'Ke' is brighter than 1e18");
     }
-  } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm"})) {
+  } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum"}) || IsOneOf(word, kPhysical)) {
     const bool halo = word == "d" && words.size() > 1 && words[1] == "-halo";
     if (halo) {
       throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
@@ -78,7 +87,7 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
   } else if (IsMap(word) && !IsRenderedMap(word)) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("{}: textures are not supported: the plain value is used", word));
-  } else if (!IsMap(word) && !IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+  } else if (!IsMap(word) && !IsOneOf(word, {"sharpness", "aniso", "anisor"})) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("'{}' is not a statement of MTL: ignored", word.substr(0, 40)));
   }
@@ -89,7 +98,9 @@ std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
   std::vector<std::string_view> words;
   while (NextStatement(lines, words)) {
     if (words[0] == "newmtl") {
-      if (words.size() < 2) throw InputError(PositionOf(lines), "'newmtl' without a name");
+      if (words.size() < 2) {
+        AddWarning(warnings, PositionOf(lines), "'newmtl' without a name: nothing can use it");
+      }
       entries.push_back({RestOfStatement(words), PositionOf(lines), {}});
       continue;
     }
@@ -156,20 +167,23 @@ std::optional<std::string> FindMap(std::string name, const Entry& entry, std::st
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) return path.string();
   const InputPosition at = At(entry, word);
-  AddMissing(warnings, at, word, InputError(at, fmt::format("there is no file \"{}\"", name)),
-             "the plain value is used");
+  AddMissing(warnings, at, word, InputError::NoSuchFile(at, name), "the plain value is used");
   return std::nullopt;
 }
 
-std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture_option_t& option,
-                     TextureFiles& textures) {
+Texture MapOf(std::uint32_t image, TextureUse use, const tinyobj::texture_option_t& option) {
   Texture texture;
   texture.use = use;
   texture.image = image;
   texture.wrap_u = texture.wrap_v = option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
   texture.transform = UpwardTextureTransform({option.scale[0], option.scale[1]},
                                              {option.origin_offset[0], option.origin_offset[1]});
-  textures.scene->textures.push_back(texture);
+  return texture;
+}
+
+std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture_option_t& option,
+                     TextureFiles& textures) {
+  textures.scene->textures.push_back(MapOf(image, use, option));
   return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
 }
 
@@ -254,22 +268,100 @@ void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFil
   }
 }
 
+bool IsPhysical(const Entry& entry) {
+  const auto has = [&](std::string_view word) { return entry.Has(word); };
+  return std::any_of(kPhysical.begin(), kPhysical.end(), has) || has("map_Pr") || has("map_Pm");
+}
+
+// Returns the image of map_Pr in green and that of map_Pm in blue, as Material::roughness_texture
+// has them. One file for both is taken for one of glTF, which has them in these channels.
+std::optional<std::uint32_t> PhysicalMap(const tinyobj::material_t& mtl, const Entry& entry,
+                                         TextureFiles& textures, Warnings& warnings,
+                                         Material& material) {
+  const auto read = [&](const std::string& name, const tinyobj::texture_option_t& option,
+                        std::string_view word) -> std::optional<Texture> {
+    const auto path = FindMap(name, entry, word, warnings);
+    if (!path) return std::nullopt;
+    const auto image = TryImage(*path, Encoding::kLinear, entry, word, textures, warnings);
+    if (!image) return std::nullopt;
+    return MapOf(*image, TextureUse::kColor, option);
+  };
+  const auto rough = read(mtl.roughness_texname, mtl.roughness_texopt, "map_Pr");
+  const auto metal = read(mtl.metallic_texname, mtl.metallic_texopt, "map_Pm");
+  if (!rough && !metal) return std::nullopt;
+  const bool packed = rough && metal && rough->image == metal->image;
+  const auto combine = [&](std::span<const glm::vec3> values) {
+    const auto grey = [](const glm::vec3& v) { return (v.x + v.y + v.z) / 3; };
+    return packed ? glm::vec3(0, values[0].y, values[1].z)
+                  : glm::vec3(0, grey(values[0]), grey(values[1]));
+  };
+  // A map stands in the place of its number.
+  const TextureOperand operands[] = {
+      {glm::vec3(rough ? 1 : std::sqrt(material.alpha)), rough ? &*rough : nullptr},
+      {glm::vec3(metal ? 1 : material.metallic), metal ? &*metal : nullptr}};
+  const auto baked = BakeTexture(operands, combine, *textures.scene);
+  if (!baked) {
+    AddWarning(warnings, At(entry, "map_Pr"),
+               "map_Pr and map_Pm lie differently: the plain values are used");
+    return std::nullopt;
+  }
+  const Image& image = textures.scene->images[baked->image];
+  textures.baked_texels += std::size_t(image.width) * std::size_t(image.height);
+  if (textures.baked_texels > kMaxBakedTexels) {
+    throw InputError(At(entry, rough ? "map_Pr" : "map_Pm"),
+                     fmt::format("the maps of roughness and metal have more than {} texels from "
+                                 "here on",
+                                 kMaxBakedTexels));
+  }
+  material.alpha = material.metallic = 1;
+  textures.scene->textures.push_back(*baked);
+  return std::uint32_t(textures.scene->textures.size() - 1);
+}
+
+// Returns the layers of the physically based statements, without their colour.
+Material PhysicalLayers(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                        Warnings& warnings) {
+  const auto share = [](float number) { return std::clamp(number, 0.0f, 1.0f); };
+  const auto alpha = [&](float roughness) { return share(roughness) * share(roughness); };
+  constexpr float kPlainRoughness = 0.5f;  // where neither Pr nor Ns is given; and of the sheen
+  Material material = {.bsdf = BsdfKind::kMetallicRoughness};
+  material.alpha = entry.Has("Pr")   ? alpha(mtl.roughness)
+                   : entry.Has("Ns") ? AlphaOfExponent(mtl.shininess)
+                                     : alpha(kPlainRoughness);
+  material.metallic = share(mtl.metallic);
+  if (mtl.ior > 1) material.ior = mtl.ior;
+  material.roughness_texture = PhysicalMap(mtl, entry, textures, warnings, material);
+  material.coat = share(mtl.clearcoat_thickness);
+  material.coat_alpha = alpha(mtl.clearcoat_roughness);
+  material.sheen = glm::vec3(share(mtl.sheen));
+  material.sheen_alpha = alpha(kPlainRoughness);
+  if (material.coat > 0 || !IsBlack(material.sheen)) {
+    material.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  }
+  if (mtl.anisotropy != 0) {
+    AddWarning(warnings, At(entry, "aniso"), "aniso is not rendered: highlights are round");
+  }
+  return material;
+}
+
 Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
                     Warnings& warnings) {
   const glm::vec3 diffuse = Fraction(mtl.diffuse, entry, "Kd", warnings);
   const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
   if (IsGlass(mtl)) return Glass(mtl);
-  if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
   const auto map =
       ColorMap(mtl.diffuse_texname, mtl.diffuse_texopt, entry, "map_Kd", textures, warnings);
-  if (!map && IsBlack(diffuse) && !IsBlack(specular)) {
+  const bool physical = IsPhysical(entry);
+  if (!physical && !map && IsBlack(diffuse) && !IsBlack(specular)) {
     if (mtl.illum == 3 || mtl.illum == 5) {
       return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
     }
     return Conductor(specular, AlphaOfExponent(mtl.shininess));
   }
   Material material;
-  if (!IsBlack(specular)) {
+  if (physical) {
+    material = PhysicalLayers(mtl, entry, textures, warnings);
+  } else if (!IsBlack(specular)) {
     AddWarning(warnings, At(entry, "Ks"),
                "Ks over a diffuse colour is approximated by a coat of index 1.5");
     material.bsdf = BsdfKind::kMetallicRoughness;

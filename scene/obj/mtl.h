@@ -2,7 +2,11 @@
 //
 //   illum 6 or 7, or 4 or 9 with d < 1 or Tf
 //                                  smooth dielectric of index Ni (1.5 if <= 1)
-//   Pm >= 1/2 (metalness)          conductor: F0 = Kd, alpha = Pr^2
+//   Pr, Pm, Ps, Pc, Pcr, map_Pr or map_Pm (the physically based statements that Blender and others
+//   write)                         metallic-roughness of the colour Kd with the roughness Pr (or by
+//                                  Ns, or 1/2), metal Pm, index Ni, sheen Ps and coat Pc of the
+//                                  roughness Pcr; the maps stand in the place of Pr and Pm. Ks and
+//                                  aniso are ignored, the latter with a warning
 //   Kd = 0, Ks > 0, illum 3 or 5   mirror of reflectance Ks
 //   Kd = 0, Ks > 0, other illum    conductor: F0 = Ks, alpha = sqrt(2 / (Ns + 2))
 //   Kd > 0, Ks > 0                 metallic-roughness without metal: a coat of index 1.5 over Kd,
@@ -18,9 +22,9 @@
 // Ke is radiance, emitted on both sides (the format does not define the side, and windings of OBJ
 // files are not reliable). map_Ke multiplies it, or stands alone if there is no Ke.
 //
-// map_Kd multiplies Kd (or 1 if Kd is missing or 0) in the last two rows, with v upwards; its
-// options -s, -o and -clamp are honoured. A map whose file is missing or cannot be read is left
-// out, with a warning.
+// map_Kd multiplies Kd (or 1 if Kd is missing or 0) of what is not glass, with v upwards; the
+// options -s, -o and -clamp of maps are honoured. A map whose file is missing or cannot be read is
+// left out, with a warning.
 //
 // The width of a lobe with exponent Ns follows Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", Section 5.2.

@@ -20,14 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the files of one mtllib: one name with spaces, or several names. Windows programs write
-// backslashes.
+// Returns the files of one mtllib: one name with spaces, before which there may be a backslash, or
+// several names. Windows programs write backslashes for slashes.
 std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path,
                                           Warnings& warnings) {
   const fs::path folder = fs::path(path).parent_path();
   std::error_code ignored;
   const auto find = [&](std::string name) -> std::string {
     if (fs::exists(folder / name, ignored)) return (folder / name).string();
+    std::string with_blanks = name;
+    for (std::size_t i; (i = with_blanks.find("\\ ")) != name.npos;) with_blanks.erase(i, 1);
+    if (fs::exists(folder / with_blanks, ignored)) return (folder / with_blanks).string();
     std::replace(name.begin(), name.end(), '\\', '/');
     return fs::exists(folder / name, ignored) ? (folder / name).string() : "";
   };
@@ -40,7 +43,7 @@ std::vector<std::string> ResolveLibraries(const ObjName& library, const std::str
       continue;
     }
     const auto at = InputPosition::Line(path, library.line);
-    AddMissing(warnings, at, "mtllib", InputError(at, fmt::format("there is no file \"{}\"", name)),
+    AddMissing(warnings, at, "mtllib", InputError::NoSuchFile(at, name),
                "its materials are grey Lambert");
   }
   return files;

@@ -129,7 +129,13 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
-// Returns the path of a light's image, if it has one.
+void WarnOfLightImage(PbrtReader& reader, const PbrtParameters& parameters,
+                      const InputError& error) {
+  AddMissing(reader.warnings, parameters.position, parameters.directive, error,
+             "it shines without an image");
+}
+
+// Returns the path of a light's image, if it has one that is there.
 struct LightFile {
   std::string path;
   bool v4;
@@ -138,7 +144,11 @@ std::optional<LightFile> FindLightFile(PbrtReader& reader, PbrtParameters& param
   for (const bool v4 : {true, false}) {
     const auto file = FindString(parameters, v4 ? "filename" : "mapname");
     if (!file || file->empty()) continue;
-    return LightFile{ResolvePbrtPath(reader, *file, parameters.position), v4};
+    try {
+      return LightFile{ResolvePbrtPath(reader, *file, parameters.position), v4};
+    } catch (const InputError& error) {
+      WarnOfLightImage(reader, parameters, error);
+    }
   }
   return std::nullopt;
 }
@@ -152,7 +162,11 @@ struct LightImage {
 LightImage FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
   if (const auto file = FindLightFile(reader, parameters)) {
     const Encoding encoding = file->v4 ? Encoding::kSrgb : Encoding::kLinear;
-    return {AddTextureImage(reader.texture_files, file->path, encoding), file->v4};
+    try {
+      return {AddTextureImage(reader.texture_files, file->path, encoding), file->v4};
+    } catch (const InputError& error) {
+      WarnOfLightImage(reader, parameters, error);
+    }
   }
   Image white(1, 1);
   std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
@@ -375,6 +389,11 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.environments.push_back(std::move(light));
 }
 
+// The command line sets the number of light samples.
+void UseSampleCounts(PbrtParameters& parameters) {
+  for (const char* name : {"samples", "nsamples"}) FindInt(parameters, name);
+}
+
 double Area(const Mesh& mesh) {
   double area = 0;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -425,6 +444,7 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
     AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
     return;
   }
+  UseSampleCounts(parameters);
   ReportUnused(parameters, reader.warnings);
 }
 
@@ -446,16 +466,18 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
     if (Find(parameters, {"rgb", "color", "xyz", "spectrum", "blackbody"}, "L")) {
       throw InputError(position, parameters.directive + " has both \"L\" and an image");
     }
-    Texture texture{.image =
-                        AddTextureImage(reader.texture_files,
-                                        ResolvePbrtPath(reader, *file, position), Encoding::kSrgb)};
-    texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
-    texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
-    reader.scene.textures.push_back(texture);
-    light.image = std::uint32_t(reader.scene.textures.size() - 1);
+    try {
+      const std::string path = ResolvePbrtPath(reader, *file, position);
+      Texture texture{.image = AddTextureImage(reader.texture_files, path, Encoding::kSrgb)};
+      texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+      texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
+      reader.scene.textures.push_back(texture);
+      light.image = std::uint32_t(reader.scene.textures.size() - 1);
+    } catch (const InputError& error) {
+      WarnOfLightImage(reader, parameters, error);
+    }
   }
-  // The command line sets the number of light samples.
-  for (const char* name : {"samples", "nsamples"}) FindInt(parameters, name);
+  UseSampleCounts(parameters);
   ReportUnused(parameters, reader.warnings);
   reader.state.area_light = light;
 }

@@ -87,7 +87,9 @@ Material LambertInstead(Context& context) {
   AddWarning(context.warnings, context.parameters.position,
              fmt::format("{} is not supported: rendered as Lambert of its diffuse colour",
                          context.parameters.directive));
-  return Lambert(context);
+  Material material = Lambert(context);
+  UseAll(context.parameters);
+  return material;
 }
 
 Material Mirror(Context& context) {
@@ -326,25 +328,29 @@ Material Mix(Context& context) {
     rows[i] = *found->second;
   }
   Material material;
-  if (const auto shares = FindImageTexture(parameters, "amount", context.reader.float_textures)) {
-    material.mixture = {rows[0], rows[1], 0.5f};
-    material.mixture_texture = PbrtShareTexture(context.reader, *shares, list == nullptr);
-    return material;
-  }
-  if (const auto shares = FindSolidTexture(parameters, "amount", context.reader.float_textures)) {
-    const bool inverted = list == nullptr;
-    const auto share = [inverted, share_at = shares->solid](const glm::dvec3& place,
-                                                            const glm::dvec3& normal) {
-      const float value = std::clamp((*share_at)(place, normal).x, 0.0f, 1.0f);
-      return glm::vec3(inverted ? 1 - value : value);
-    };
-    material.mixture = {rows[0], rows[1], 0.5f};
-    context.reader.solids.push_back({.use = PbrtSolidUse::kShare,
-                                     .value = std::make_shared<const PbrtSolid>(share),
-                                     .fallback = 0.5f});
-    return material;
-  }
   // The amount is a colour in version 3 and a float in version 4.
+  for (const PbrtTextures* const textures :
+       {&context.reader.float_textures, &context.reader.color_textures}) {
+    if (const auto shares = FindImageTexture(parameters, "amount", *textures)) {
+      material.mixture = {rows[0], rows[1], 0.5f};
+      material.mixture_texture = PbrtShareTexture(context.reader, *shares, list == nullptr);
+      return material;
+    }
+    if (const auto shares = FindSolidTexture(parameters, "amount", *textures)) {
+      const bool inverted = list == nullptr;
+      const auto share = [inverted, share_at = shares->solid](const glm::dvec3& place,
+                                                              const glm::dvec3& normal) {
+        const glm::vec3 color = (*share_at)(place, normal);
+        const float value = std::clamp((color.x + color.y + color.z) / 3, 0.0f, 1.0f);
+        return glm::vec3(inverted ? 1 - value : value);
+      };
+      material.mixture = {rows[0], rows[1], 0.5f};
+      context.reader.solids.push_back({.use = PbrtSolidUse::kShare,
+                                       .value = std::make_shared<const PbrtSolid>(share),
+                                       .fallback = 0.5f});
+      return material;
+    }
+  }
   const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
   const bool scalar = texture != nullptr && texture->strings.size() == 1 &&
                       !context.reader.color_textures.contains(texture->strings[0]);
@@ -382,6 +388,7 @@ Material ByType(const std::string& type, Context& context) {
   }
   AddWarning(context.warnings, context.parameters.position,
              context.parameters.directive + " is not supported: rendered as grey Lambert");
+  UseAll(context.parameters);
   return Material{};
 }
 

@@ -133,12 +133,13 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     ReadLens(parameters, camera);
     camera.window = ReadScreenWindow(parameters);
   } else {
-    if (type != "perspective") {
-      Warn(reader, parameters, "is not supported: rendered as perspective");
-    }
     ReadFieldOfView(parameters, camera);
     ReadLens(parameters, camera);
     camera.window = ReadScreenWindow(parameters);
+    if (type != "perspective") {
+      Warn(reader, parameters, "is not supported: rendered as perspective");
+      UseAll(parameters);
+    }
   }
   ReadShutter(reader, parameters);
   ReportUnused(parameters, reader.warnings);
@@ -275,7 +276,6 @@ void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
       {"sppm", "photon"},     {"whitted", "direct"}};
   const auto known = kNames.find(type);
   settings.integrator = known != kNames.end() ? known->second : "path";
-  if (known == kNames.end()) Warn(reader, parameters, "is not supported: rendered with path");
   if (type == "sppm") ReadPhotons(reader, parameters);
   if (const auto depth = FindInt(parameters, "maxdepth")) {
     if (*depth < 0) {
@@ -287,6 +287,10 @@ void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   for (const char* name : {"lightsampler", "lightsamplestrategy", "strategy", "rrthreshold"}) {
     if (!Find(parameters, {"string", "float"}, name)) continue;
     Note(reader, parameters, fmt::format("\"{}\" is ignored: --strategy chooses lights", name));
+  }
+  if (known == kNames.end()) {
+    Warn(reader, parameters, "is not supported: rendered with path");
+    UseAll(parameters);
   }
   ReportUnused(parameters, reader.warnings);
 }

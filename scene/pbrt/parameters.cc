@@ -214,8 +214,14 @@ std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter) {
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
                               const std::string& directive, Warnings& warnings) {
   PbrtParameters parameters{position, directive, {}};
-  while (PeekToken(source).kind == PbrtTokenKind::kString) {
-    PbrtParameter parameter = ReadParameter(source);
+  for (PbrtSource* from = &source;;) {
+    const PbrtTokenKind next = PeekToken(*from).kind;
+    if (next == PbrtTokenKind::kEnd && from->includer != nullptr) {
+      from = from->includer;  // parameters may go on after the Include
+      continue;
+    }
+    if (next != PbrtTokenKind::kString) break;
+    PbrtParameter parameter = ReadParameter(*from);
     const auto earlier = std::find_if(
         parameters.list.begin(), parameters.list.end(), [&](const PbrtParameter& other) {
           return other.name == parameter.name && other.type == parameter.type;
@@ -290,10 +296,13 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
     if (texture == textures.end()) {
       return not_simple(fmt::format("names no texture that is there (\"{}\")", found->strings[0]));
     }
-    if (!texture->second.value || texture->second.image) {
+    const PbrtTexture& named = texture->second;
+    // One that was left out has its own warning.
+    if (!named.value && !named.image && !named.solid) return std::nullopt;
+    if (!named.value || named.image) {
       return not_simple(fmt::format("(\"{}\") varies", found->strings[0]));
     }
-    return texture->second.value;
+    return named.value;
   }
   if (found->type == "float") return glm::vec3(Single(*found, found->floats));
   if (found->type == "spectrum") {
@@ -337,6 +346,10 @@ std::optional<PbrtTexture> FindSolidTexture(PbrtParameters& parameters, std::str
   const auto texture = textures.find(Single(*found, found->strings));
   if (texture == textures.end() || !texture->second.solid) return std::nullopt;
   return texture->second;
+}
+
+void UseAll(PbrtParameters& parameters) {
+  for (PbrtParameter& parameter : parameters.list) parameter.used = true;
 }
 
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings) {

@@ -59,9 +59,9 @@ using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
 // No directive has more parameters; the search for repeated names is quadratic.
 inline constexpr std::size_t kMaxPbrtParameters = 256;
 
-// Reads parameters up to the next directive. Throws InputError on an unknown type, a value that
-// does not fit its type, or a missing bracket. As in pbrt, the last of several parameters of a name
-// and type counts; that is a warning.
+// Reads parameters up to the next directive, which may come after the end of an included file.
+// Throws InputError on an unknown type, a value that does not fit its type, or a missing bracket.
+// As in pbrt, the last of several parameters of a name and type counts; that is a warning.
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
                               const std::string& directive, Warnings& warnings);
 
@@ -101,6 +101,8 @@ std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::str
 std::optional<PbrtTexture> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
                                             const PbrtTextures& textures);
 
+// Takes all parameters for looked up: those of what is not supported have nothing more to say.
+void UseAll(PbrtParameters& parameters);
 // Adds one warning for each parameter that was never looked up.
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings);
 

@@ -22,6 +22,7 @@ std::unique_ptr<PbrtSource> MakeSource(PbrtReader& reader, std::string path, std
   source->main_path = reader.sources.empty() ? path : reader.sources.front()->path;
   source->path = std::move(path);
   source->text = std::move(text);
+  RefuseUtf16(source->text, source->path);
   if (source->text.starts_with(kByteOrderMark)) {
     source->text.replace(0, kByteOrderMark.size(), kByteOrderMark.size(), ' ');
   }
@@ -60,6 +61,7 @@ void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
   if (imported) OpenPbrtScope(reader, source, word);
   reader.sources.push_back(MakeSource(reader, path, std::move(text)));
   reader.sources.back()->imported = imported;
+  if (!imported) reader.sources.back()->includer = &source;
 }
 
 void EndSource(PbrtReader& reader, const PbrtToken& end) {
@@ -142,7 +144,7 @@ std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
                             const InputPosition& position) {
   const std::string path = FindPbrtFile(*reader.sources.back(), name);
   if (!path.empty()) return path;
-  throw InputError(position, fmt::format("there is no file \"{}\"", name), kExitIo);
+  throw InputError::NoSuchFile(position, name);
 }
 
 void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {

@@ -172,7 +172,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   const glm::vec3 scale(FindFloat(parameters, "scale").value_or(1));
   const bool invert = FindBool(parameters, "invert").value_or(false);
   const auto left_out = [&](const InputError& error) {
-    AddMissing(reader.warnings, parameters.position, parameters.directive, error,
+    AddMissing(reader.warnings, parameters.position, "Texture \"imagemap\"", error,
                "its users take their default");
     return PbrtTexture{};
   };
@@ -313,6 +313,23 @@ PbrtTexture Bilerp(PbrtReader& reader, PbrtParameters& parameters, const PbrtTex
   return AddTexture(reader, texture, glm::vec3(1));
 }
 
+// Red is what u exceeds a whole number by, green the same of v: pbrt-v3's picture of coordinates.
+PbrtTexture Coordinates(PbrtReader& reader, PbrtParameters& parameters) {
+  constexpr int kSide = 512;
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  Image image(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      float* const rgb = image.Pixel(x, y);
+      rgb[0] = (float(x) + 0.5f) / kSide, rgb[1] = 1 - (float(y) + 0.5f) / kSide, rgb[2] = 0;
+    }
+  }
+  Texture texture{.image = AddTextureImage(reader.scene, std::move(image))};
+  texture.transform = UpwardTextureTransform(mapping->scale, mapping->offset);
+  return AddTexture(reader, texture, glm::vec3(1));
+}
+
 }  // namespace
 
 PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
@@ -417,6 +434,8 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Dots(reader, parameters, textures);
   } else if (kind == "fbm" || kind == "windy" || kind == "wrinkled") {
     texture = ReadNoise(reader, parameters, kind);
+  } else if (kind == "uv" && type != "float") {
+    texture = Coordinates(reader, parameters);
   } else if (kind == "directionmix") {
     texture = ReadDirectionMix(reader, parameters, textures);
   } else if (kind == "marble" && type != "float") {

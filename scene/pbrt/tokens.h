@@ -22,9 +22,10 @@ struct PbrtSource {
   std::string path;
   std::string main_path;  // the outermost file that includes this one; or `path`
   std::string text;
-  std::size_t next = 0;   // first byte not yet read
-  std::size_t line = 1;   // the line of that byte
-  bool imported = false;  // by Import, which keeps the state of the file that it stands in
+  std::size_t next = 0;            // first byte not yet read
+  std::size_t line = 1;            // the line of that byte
+  bool imported = false;           // by Import, which keeps the state of the file that it stands in
+  PbrtSource* includer = nullptr;  // by Include: the file that goes on where this one ends
   // Of version 3, to which "0," is a number; where there is none, it is an error.
   Warnings* lenient = nullptr;
 };

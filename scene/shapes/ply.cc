@@ -378,6 +378,7 @@ Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces, Pl
   if (data.format == PlyFormat::kAscii) SkipSpace(data);
   found.trailing_bytes = data.Left();
   found.texture = header.texture;
+  found.unknown = header.unknown;
   if (corner_uvs.size() == 3 * mesh.triangles.size() && !corner_uvs.empty()) {
     SplitCorners(corner_uvs, mesh);
   }
@@ -412,6 +413,11 @@ void WarnOfPly(const PlyReport& report, const InputPosition& position, Warnings&
                fmt::format("normals that are not finite, {} in number: those of the faces around "
                            "the vertex are used",
                            report.bad_normals));
+  }
+  if (!report.unknown.empty()) {
+    AddWarning(warnings, position,
+               fmt::format("'{}' is not a statement of a PLY header: its line is ignored",
+                           report.unknown));
   }
   if (report.small_faces > 0) {
     AddWarning(warnings, position,

@@ -26,6 +26,7 @@ struct PlyReport {
   std::size_t small_faces = 0;     // of fewer than three corners, which are left out
   std::size_t trailing_bytes = 0;  // after the last element
   std::string texture;             // the file that a comment of MeshLab names, or nothing
+  std::string unknown;             // PlyHeader::unknown
 };
 
 // Throws InputError with the byte offset (ascii and headers: the line) for every inconsistency:

@@ -156,7 +156,9 @@ PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& path) {
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(ParseProperty(lines, words));
     } else {
-      lines.Fail(fmt::format("'{}' is not expected in a PLY header", words[0]));
+      // Some programs write their names without `comment`.
+      if (words[0] == "property") lines.Fail("'property' before the first element");
+      if (header.unknown.empty()) header.unknown = words[0].substr(0, 40);
     }
   }
   header.data_begin = lines.next;

@@ -41,6 +41,7 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
   std::string texture;         // the first file that MeshLab's comments name: TextureFile NAME
+  std::string unknown;         // the first word of the first line that is no statement of PLY
   std::size_t data_begin = 0;  // [bytes] offset of the first byte after the header
   std::size_t lines = 0;       // lines of the header, end_header included
 };

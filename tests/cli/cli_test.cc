@@ -132,7 +132,7 @@ TEST_F(Cli, BadInputIsReportedAndLeavesNoFile) {
       {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj, .gltf, .glb or .ply"}},
       {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
       {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
-      {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "index 4"}},
+      {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "indices beyond"}},
       {"render nan.obj --env map.exr", kExitBadInput, {"nan.obj:4: ", "nan"}},
       {"render library.obj --env map.exr --strict",
        kExitBadInput,

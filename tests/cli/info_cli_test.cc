@@ -34,7 +34,7 @@ class Info : public Program {
         "Shape \"sphere\"\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point P\" [0 0 0 "
         "1 0 0 0 1 0]\n");
     Put("empty.obj", "v 0 0 0\n");
-    Put("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    Put("bad.obj", "v 0 0 0\nf 1 2 x\n");
   }
 };
 

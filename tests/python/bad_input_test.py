@@ -238,7 +238,7 @@ class BadInputTest(Case):
             self.refuse("^path$", "file name", skywave.Scene, wrong)
         self.refuse("strict", "", skywave.Scene, strict=True)
         self.refuse("spp", "", skywave.Scene, "gallery", spp=3)
-        pathlib.Path("broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
+        pathlib.Path("broken.obj").write_text("v 0 0 0\nf 1 2 x\n")
         self.refuse("broken.obj:2", "", skywave.Scene, "broken.obj")
         strange = os.fsdecode(b"\xff\xfe.obj")
         self.refuse(strange, "no such file", skywave.Scene, strange)

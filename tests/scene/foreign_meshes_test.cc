@@ -66,6 +66,15 @@ TEST(ForeignObj, CommentsSlashesAndByteOrderMarksDoNoHarm) {
   ExpectNear(scene.materials.at(scene.meshes.at(0).material).reflectance, {0.2f, 0.4f, 0.6f});
 }
 
+TEST(ForeignObj, NamesOfLibrariesMayHaveBackslashesBeforeBlanks) {
+  const TemporaryFolder folder;
+  folder.Write("a b c.mtl", "newmtl red\nKd 1 0 0\n");
+  const Scene scene = ReadScene(
+      folder.Write("a.obj", "mtllib a\\ b\\ c.mtl\n" + kTriangle + "usemtl red\nf 1 2 3\n"));
+  EXPECT_TRUE(scene.warnings.empty());
+  ExpectNear(scene.materials.at(scene.meshes.at(0).material).reflectance, {1, 0, 0});
+}
+
 // Names of materials hold the sign of comments.
 TEST(ForeignObj, NamesMayHoldTheSignOfComments) {
   const TemporaryFolder folder;
@@ -148,6 +157,18 @@ TEST(ForeignPly, ColoursOfVerticesAreRead) {
       Ply(of_floats, kFace, "0 0 0 1 .5 0\n1 0 0 2 0 0\n0 1 0 0 0 0\n3 0 1 2\n", 3), "t.ply");
   ExpectNear(bright.colors.at(0), {1, 0.21404f, 0});
   ExpectNear(bright.colors.at(1), {1, 0, 0});
+}
+
+TEST(ForeignPly, LinesOfHeadersThatAreNoStatementsAreNamed) {
+  PlyReport report;
+  const Mesh mesh = ParsePly(
+      Ply("", kFace, "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 3, "Created by hand\n"), "t.ply", &report);
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  Warnings warnings;
+  WarnOfPly(report, InputPosition::File("t.ply"), warnings);
+  EXPECT_EQ(WarningLines(warnings),
+            std::vector<std::string>{
+                "t.ply: 'Created' is not a statement of a PLY header: its line is ignored"});
 }
 
 // Four vertices of a strip are two triangles; after -1 another strip begins. All face +z.

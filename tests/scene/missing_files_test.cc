@@ -53,6 +53,46 @@ TEST_F(FilesOfScenes, ThatAreMissingAreLeftOutOrRefuseTheScene) {
                          "normalmap: there is no file \"none.png\": left out");
 }
 
+// A light without its image shines as if it had none.
+TEST_F(FilesOfScenes, ThatLightsLackLeaveThemPlain) {
+  const std::string ball = " Shape \"sphere\"";
+  for (const auto& [light, file] : {std::pair("infinite", "none.exr"),
+                                    {"goniometric", "none.png"},
+                                    {"projection", "none.png"}}) {
+    const std::string text = std::string("WorldBegin LightSource \"") + light +
+                             "\" \"string filename\" \"" + file + "\"" + ball;
+    ExpectSkippedOrRefused("a.pbrt", text,
+                           std::string("LightSource \"") + light + "\": there is no file \"" +
+                               file + "\": it shines without an image");
+    const Scene scene = ReadScene(folder_.Path("a.pbrt"));
+    EXPECT_EQ(scene.environments.size() + scene.lights.size(), 1u);
+  }
+  ExpectSkippedOrRefused("b.pbrt",
+                         "WorldBegin AreaLightSource \"diffuse\" \"string filename\" "
+                         "\"none.png\"" +
+                             ball,
+                         "it shines without an image");
+}
+
+// Missing files are one line for each kind of thing, and textures that lack theirs are not named
+// once more where they are used.
+TEST_F(FilesOfScenes, ThatAreMissingAreOneLineOfEachKind) {
+  std::string text = "WorldBegin Shape \"sphere\"\n";
+  for (const char* const name : {"a.ply", "b.ply", "b.ply", "c.ply", "d.ply", "e.ply"}) {
+    text += std::string("Shape \"plymesh\" \"string filename\" \"") + name + "\"\n";
+  }
+  text +=
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+  const std::string path = folder_.Write("a.pbrt", text);
+  EXPECT_EQ(ReadScene(path).warnings,
+            (std::vector<std::string>{
+                path + ":2: Shape \"plymesh\": there are no files \"a.ply\", \"b.ply\", "
+                       "\"c.ply\" and 2 more: left out (6 times)",
+                path + ":8: Texture \"imagemap\": there is no file \"t.png\": its users take their "
+                       "default"}));
+}
+
 TEST_F(FilesOfScenes, ThatAreBrokenAreTakenForMissing) {
   folder_.Write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
   folder_.Write("broken.png", "no picture");

@@ -69,20 +69,40 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
       {"vn 0 0\n", "t.obj:1", "takes 3 numbers"},
       {"vn 0 nan 0\n", "t.obj:1", "not finite"},
       {"vt a\n", "t.obj:1", "not a number"},
-      {kTriangle + "f 1 2 4\n", "t.obj:4", "vertex index 4, but the file has 3"},
-      {kTriangle + "\n# c\nf 1 2 \\\n 9\nf 1 2 3\n", "t.obj:6", "vertex index 9"},
-      {kTriangle + "f 1 2 -4\n", "t.obj:4", "index -4 with 3 before it"},
-      {kTriangle + "f 0 1 2\n", "t.obj:4", "counts from 1"},
-      {kTriangle + "vt 0 0\nf 1/1 2/2 3/1\n", "t.obj:5", "texture vertex index 2, but"},
-      {kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n", "t.obj:4", "normal index 2"},
       {kTriangle + "f 1/1/1/1 2 3\n", "t.obj:4", "is no index"},
       {kTriangle + "f 1 2 x\n", "t.obj:4", "'x' is no index"},
       {kTriangle + "f 1 2 3.5\n", "t.obj:4", "is no index"},
       {kTriangle + "f 1 2 99999999999\n", "t.obj:4", "is no index"},
       {kTriangle + polygon, "t.obj:4", "1025 corners"},
-      {"# hidden\rf 7 8 9\n", "t.obj:2", "index 9"},
+      {"\xFE\xFF\0v", "t.obj", "UTF-16"},
+      {"\xFF\xFEv\0", "t.obj", "UTF-16"},
   };
   for (const BadText& bad : cases) ExpectRefused(bad, TryObj(bad.text));
+}
+
+// Faces, points and lines of elements that the file does not have are left out, and no others.
+TEST(BadObj, WhatNamesMissingElementsIsLeftOut) {
+  const BadText cases[] = {
+      {kTriangle + "f 1 2 4\n", "t.obj:4", "a face with indices beyond the elements of the file"},
+      {kTriangle + "\n# c\nf 1 2 \\\n 9\n", "t.obj:6", "a face with indices beyond"},
+      {kTriangle + "f 1 2 -4\n", "t.obj:4", "'f' with vertex index -4 with 3 before it"},
+      {kTriangle + "f 0 1 2\n", "t.obj:4", "'f' with index 0, and OBJ counts from 1"},
+      {kTriangle + "vt 0 0\nf 1/1 2/2 3/1\n", "t.obj:5", "a face with indices beyond"},
+      {kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n", "t.obj:4", "a face with indices beyond"},
+      {kTriangle + "p 1 9\n", "t.obj:4", "points or lines of vertices that the file does not have"},
+      {kTriangle + "l 1 2 9\n", "t.obj:4", "points or lines of vertices"},
+      {kTriangle + "l 1 -4\n", "t.obj:4", "'l' with vertex index -4 with 3 before it"},
+  };
+  for (const BadText& bad : cases) {
+    SCOPED_TRACE(bad.text);
+    const Scene scene = ParseObj(bad.text + "f 1 2 3\n", "t.obj", {.point_size = 0.1f});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_TRUE(scene.warnings[0].starts_with(std::string(bad.place) + ": " + bad.reason))
+        << scene.warnings[0];
+    EXPECT_TRUE(scene.warnings[0].ends_with(": left out")) << scene.warnings[0];
+    ASSERT_FALSE(scene.meshes.empty());
+    EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
+  }
 }
 
 TEST(BadObj, BrokenLibrariesAreRefused) {
@@ -102,7 +122,6 @@ TEST(BadObj, BrokenLibrariesAreRefused) {
 TEST(BadMtl, IsRefusedWithFileLineAndReason) {
   const BadText cases[] = {
       {"Kd 1 1 1\n", "t.mtl:1", "before the first newmtl"},
-      {"newmtl\n", "t.mtl:1", "without a name"},
       {"newmtl a\nKd\n", "t.mtl:2", "1 to 3 numbers, not 0"},
       {"newmtl a\nKd 1 1\n", "t.mtl:2", "one or three numbers"},
       {"newmtl a\nKd 1 -1 1\n", "t.mtl:2", "not negative"},

@@ -248,10 +248,6 @@ TEST(Mtl, MetalsMirrorsAndGlassAreRecognised) {
   EXPECT_NEAR(metal.alpha, std::sqrt(2.0 / 100), 1e-6);
   // eta = 1 gives F0 = k^2 / (4 + k^2).
   ExpectNear(metal.k * metal.k / (4.0f + metal.k * metal.k), {0.2f, 0.5f, 0.8f});
-  const Material pbr = OnlyMaterial("Kd .9 .6 .3\nPm 1\nPr .5");
-  EXPECT_EQ(pbr.bsdf, BsdfKind::kConductor);
-  EXPECT_FLOAT_EQ(pbr.alpha, 0.25f);
-  ExpectNear(pbr.k * pbr.k / (4.0f + pbr.k * pbr.k), {0.9f, 0.6f, 0.3f});
   for (const char* illum : {"illum 3", "illum 5"}) {
     const Material mirror = OnlyMaterial(std::string("Kd 0 0 0\nKs .9 .8 .7\n") + illum);
     EXPECT_EQ(mirror.bsdf, BsdfKind::kMirror);
@@ -266,6 +262,51 @@ TEST(Mtl, MetalsMirrorsAndGlassAreRecognised) {
   EXPECT_FLOAT_EQ(OnlyMaterial("illum 6\nNi 1").ior, 1.5f);
   EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nillum 4\nd 1").bsdf, BsdfKind::kLambert);
   EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nillum 2\nTf 1 1 1").bsdf, BsdfKind::kLambert);
+}
+
+TEST(Mtl, PhysicallyBasedStatementsAreLayers) {
+  const Material metal = OnlyMaterial("Kd .9 .6 .3\nPm .75\nPr .5\nKs 1 1 1\nNi 1.4");
+  EXPECT_EQ(metal.bsdf, BsdfKind::kMetallicRoughness);
+  ExpectNear(metal.reflectance, {0.9f, 0.6f, 0.3f});
+  EXPECT_FLOAT_EQ(metal.metallic, 0.75f);
+  EXPECT_FLOAT_EQ(metal.alpha, 0.25f);
+  EXPECT_FLOAT_EQ(metal.ior, 1.4f);
+  EXPECT_NEAR(OnlyMaterial("Pm 0\nNs 98").alpha, std::sqrt(2.0 / 100), 1e-6);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Pm 0").alpha, 0.25f);
+  const Material coated = OnlyMaterial("Pr 1\nPc .5\nPcr .2\nPs .25");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_FLOAT_EQ(coated.coat, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.04f);
+  ExpectNear(coated.sheen, {0.25f, 0.25f, 0.25f});
+  EXPECT_EQ(MtlWarnings("newmtl a\nPr 1\naniso .5\n"),
+            std::vector<std::string>{"t.mtl:3: aniso is not rendered: highlights are round"});
+}
+
+// map_Pr is in the green and map_Pm in the blue of one image, in the place of Pr and Pm; one file
+// for both has them there itself.
+TEST(Mtl, MapsOfRoughnessAndMetalAreRead) {
+  const TemporaryFolder folder;
+  WritePng(folder.Write("rough.png", ""), 2, 1, {51, 51, 51, 204, 204, 204});
+  WritePng(folder.Write("metal.png", ""), 1, 1, {102, 102, 102});
+  WritePng(folder.Write("packed.png", ""), 1, 1, {255, 51, 204});
+  const auto texel = [&](const std::string& statements, int x) {
+    Scene scene;
+    Warnings warnings;
+    TextureFiles textures{&scene};
+    const Material material =
+        ReadMtl(folder.Write("t.mtl", "newmtl m\n" + statements), textures, warnings).at(0);
+    EXPECT_EQ(material.alpha, 1);
+    EXPECT_EQ(material.metallic, 1);
+    EXPECT_EQ(WarningLines(warnings), std::vector<std::string>{});
+    const Texture& texture = scene.textures.at(material.roughness_texture.value());
+    const float* const rgb = scene.images.at(texture.image).Pixel(x, 0);
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  };
+  ExpectNear(texel("Pm .5\nPr .7\nmap_Pr rough.png\nmap_Pm metal.png\n", 0), {0, 0.2f, 0.4f});
+  ExpectNear(texel("map_Pr rough.png\nmap_Pm metal.png\n", 1), {0, 0.8f, 0.4f});
+  ExpectNear(texel("Pm .5\nmap_Pr rough.png\n", 1), {0, 0.8f, 0.5f});
+  ExpectNear(texel("Pr .5\nmap_Pm metal.png\n", 0), {0, 0.5f, 0.4f});
+  ExpectNear(texel("map_Pr packed.png\nmap_Pm packed.png\n", 0), {0, 0.2f, 0.8f});
 }
 
 TEST(Mtl, UnsupportedStatementsAreReportedOnce) {
@@ -286,6 +327,8 @@ TEST(Mtl, UnsupportedStatementsAreReportedOnce) {
             (std::vector<std::string>{
                 "t.mtl:2: map_d: there is no file \"none.png\": the plain value is used",
                 "t.mtl:3: bump: there is no file \"no.png\": the plain value is used"}));
+  EXPECT_EQ(MtlWarnings("newmtl\nKd 1 1 1\n"),
+            std::vector<std::string>{"t.mtl:1: 'newmtl' without a name: nothing can use it"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
             std::vector<std::string>{"t.mtl:3: 'frob' is not a statement of MTL: ignored"});

@@ -171,8 +171,6 @@ TEST_F(PointFiles, OfObjHavePointsLinesOrVerticesAlone) {
   EXPECT_NE(scene.warnings[0].find("vertices without faces are left out: `point-size 1` shows"),
             std::string::npos)
       << scene.warnings[0];
-  EXPECT_NE(Error("t.obj", vertices + "l 1 4\n", {}).find("t.obj:4: vertex index 4"),
-            std::string::npos);
   EXPECT_NE(Error("t.obj", vertices + "p one\n", {}).find("t.obj:4: 'one' is no index"),
             std::string::npos);
 }

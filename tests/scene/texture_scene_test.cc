@@ -53,27 +53,32 @@ TEST_F(PbrtTextureFiles, UnsupportedTexturesAreNamed) {
   EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\"", ""), InputError);
 }
 
-// The amount is the share of the second material in version 4 and of the first one in version 3.
+// The amount, a float, is the share of the second material in version 4, and a colour and that of
+// the first one in version 3.
 TEST_F(PbrtTextureFiles, AreSharesOfMixtures) {
   const std::string two =
       "MakeNamedMaterial \"a\" \"string type\" \"matte\" MakeNamedMaterial \"b\" \"string "
       "type\" \"mirror\" Material \"mix\" \"texture amount\" \"t\" ";
-  const std::string map =
-      "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" .5";
-  const auto shares = [&](const std::string& names) {
-    const Scene scene = Read(map, two + names);
+  const auto map = [](const std::string& type) {
+    return "Texture \"t\" \"" + type +
+           "\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" .5";
+  };
+  const auto shares = [&](const std::string& type, const std::string& names) {
+    const Scene scene = Read(map(type), two + names);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
     const Material& material = scene.materials.at(scene.meshes.at(0).material);
     return scene.images[scene.textures[material.mixture_texture.value()].image];
   };
-  const Image v4 = shares("\"string materials\" [\"a\" \"b\"]");
-  const Image v3 = shares("\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"");
-  const Image plain = Read(map, "").images.at(0);
+  const std::string named = "\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"";
+  const Image v4 = shares("float", "\"string materials\" [\"a\" \"b\"]");
+  const Image v3 = shares("float", named), of_color = shares("color", named);
+  const Image plain = Read(map("color"), "").images.at(0);
   ASSERT_EQ(v4.rgb.size(), plain.rgb.size());
   for (std::size_t i = 0; i < v4.rgb.size(); i += 3) {
     const float mean = 0.5f * (plain.rgb[i] + plain.rgb[i + 1] + plain.rgb[i + 2]) / 3;
     EXPECT_NEAR(v4.rgb[i], mean, 1e-6);
     EXPECT_NEAR(v3.rgb[i + 1], 1 - mean, 1e-6);
+    EXPECT_NEAR(of_color.rgb[i + 1], 1 - mean, 1e-6);
   }
 }
 
