@@ -19,6 +19,18 @@ std::string Listed(const std::vector<OptionValue>& options) {
   return text;
 }
 
+// Returns a message without control codes, in lines: what follows the first one is indented by two
+// blanks, and a name that it holds begins no line like a message does.
+std::string Message(std::string_view text) {
+  constexpr std::string_view kNextLine = "\n  ";
+  std::string clean;
+  for (std::size_t end; (end = text.find(kNextLine)) != text.npos;) {
+    clean += WithoutControlCodes(std::string(text.substr(0, end))).append(kNextLine);
+    text.remove_prefix(end + kNextLine.size());
+  }
+  return clean + WithoutControlCodes(std::string(text));
+}
+
 // Returns the number of bytes of the first character, or 0 if these are not UTF-8 (RFC 3629).
 std::size_t LengthOfCharacter(std::string_view text) {
   const auto byte = [&](std::size_t i) {
@@ -46,8 +58,7 @@ std::string WithoutControlCodes(std::string text) {
     const auto byte = static_cast<unsigned char>(text[i]);
     // In UTF-8, the codes from 0x80 to 0x9f begin with 0xc2.
     const bool second = byte == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0;
-    const bool detail = text.compare(i, 3, "\n  ") == 0;
-    const bool shown = length > 0 && !second && byte != 0x7f && (byte >= 0x20 || detail);
+    const bool shown = length > 0 && !second && byte != 0x7f && byte >= 0x20;
     clean += shown ? text.substr(i, length) : "?";
     i += std::max<std::size_t>(length, 1);
   }
@@ -62,10 +73,10 @@ std::string ToString(const InputPosition& position) {
 
 InputError::InputError(const InputPosition& position, const std::string& reason, int exit_code)
     : std::runtime_error(
-          WithoutControlCodes(position.path.empty() ? reason : ToString(position) + ": " + reason)),
+          Message(position.path.empty() ? reason : ToString(position) + ": " + reason)),
       exit_code_(exit_code),
       place_(position.path.empty() ? "" : ToString(position)),
-      reason_(WithoutControlCodes(reason)) {}
+      reason_(Message(reason)) {}
 
 InputError InputError::NoSuchFile(const InputPosition& position, const std::string& name) {
   InputError error(position, fmt::format("there is no file \"{}\"", name), kExitIo);

@@ -35,8 +35,8 @@ struct InputPosition {
 };
 
 // Returns the text with question marks for codes that a terminal obeys, which names in files may
-// hold, and for bytes that are not UTF-8. A line break stays where the next line is indented by two
-// blanks, as details of a message are.
+// hold, line breaks among them, and for bytes that are not UTF-8. Messages with details keep their
+// line breaks (InputError).
 std::string WithoutControlCodes(std::string text);
 
 // Returns "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
@@ -44,8 +44,8 @@ std::string ToString(const InputPosition& position);
 
 class InputError : public std::runtime_error {
  public:
-  // `reason` names the error and, where it is not obvious, the remedy. It reaches terminals without
-  // control codes.
+  // `reason` names the error and, where it is not obvious, the remedy; details stand on lines of
+  // their own, "\n  ...". It reaches terminals without other control codes.
   InputError(const InputPosition& position, const std::string& reason,
              int exit_code = kExitBadInput);
   // Returns the error of a name at `position` which no file has.

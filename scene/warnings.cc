@@ -60,14 +60,13 @@ void AddNamed(Warnings& warnings, const InputPosition& position, const std::stri
   if (is_new) {
     warnings.entries.push_back({.first = position,
                                 .text = clean,
-                                .count = missing ? 0u : 1u,
                                 .thing = thing,
                                 .names = {},
                                 .missing = missing,
                                 .is_warning = true});
   }
   Warnings::Entry& entry = warnings.entries[found->second];
-  entry.count += missing;
+  if (missing) ++entry.count;
   if (!entry.names.empty() && entry.last == of) return;
   entry.last = of;
   ++entry.named;

@@ -45,8 +45,7 @@ void AddWarningOf(Warnings& warnings, const InputPosition& position, const std::
 
 // Warns that the file of `thing` is missing or cannot be read, as `error` says, and what is done
 // without it. Files that are not there are one line for each thing, as with AddWarningOf.
-// RefuseMissing throws such a warning where these scenes are refused, and does nothing
-// else.
+// RefuseMissing throws such a warning where these scenes are refused, and does nothing else.
 void AddMissing(Warnings& warnings, const InputPosition& position, std::string_view thing,
                 const InputError& error, std::string_view consequence);
 void RefuseMissing(const Warnings& warnings, const InputPosition& position,

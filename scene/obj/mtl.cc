@@ -361,6 +361,7 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
   Material material;
   if (physical) {
     material = PhysicalLayers(mtl, entry, textures, warnings);
+    if (!IsBlack(specular)) AddNote(warnings, At(entry, "Ks"), "Ks has no effect beside Pr and Pm");
   } else if (!IsBlack(specular)) {
     AddWarning(warnings, At(entry, "Ks"),
                "Ks over a diffuse colour is approximated by a coat of index 1.5");

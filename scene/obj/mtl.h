@@ -5,8 +5,8 @@
 //   Pr, Pm, Ps, Pc, Pcr, map_Pr or map_Pm (the physically based statements that Blender and others
 //   write)                         metallic-roughness of the colour Kd with the roughness Pr (or by
 //                                  Ns, or 1/2), metal Pm, index Ni, sheen Ps and coat Pc of the
-//                                  roughness Pcr; the maps stand in the place of Pr and Pm. Ks and
-//                                  aniso are ignored, the latter with a warning
+//                                  roughness Pcr; the maps stand in the place of Pr and Pm. Ks is
+//                                  ignored with a note, aniso with a warning
 //   Kd = 0, Ks > 0, illum 3 or 5   mirror of reflectance Ks
 //   Kd = 0, Ks > 0, other illum    conductor: F0 = Ks, alpha = sqrt(2 / (Ns + 2))
 //   Kd > 0, Ks > 0                 metallic-roughness without metal: a coat of index 1.5 over Kd,

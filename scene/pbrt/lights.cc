@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "scene/light_shapes.h"
 #include "scene/local_lights.h"
-#include "scene/materials/texture_baking.h"
+#include "scene/pbrt/light_images.h"
 #include "scene/pbrt/state.h"
 #include "scene/portals.h"
 
@@ -129,104 +129,6 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
-void WarnOfLightImage(PbrtReader& reader, const PbrtParameters& parameters,
-                      const InputError& error) {
-  AddMissing(reader.warnings, parameters.position, parameters.directive, error,
-             "it shines without an image");
-}
-
-// Returns the path of a light's image, if it has one that is there.
-struct LightFile {
-  std::string path;
-  bool v4;
-};
-std::optional<LightFile> FindLightFile(PbrtReader& reader, PbrtParameters& parameters) {
-  for (const bool v4 : {true, false}) {
-    const auto file = FindString(parameters, v4 ? "filename" : "mapname");
-    if (!file || file->empty()) continue;
-    try {
-      return LightFile{ResolvePbrtPath(reader, *file, parameters.position), v4};
-    } catch (const InputError& error) {
-      WarnOfLightImage(reader, parameters, error);
-    }
-  }
-  return std::nullopt;
-}
-
-// The image of a light. pbrt-v4 names it "filename"; pbrt-v3 names it "mapname", lays it otherwise,
-// takes bytes as they are, and does without one.
-struct LightImage {
-  std::uint32_t index;  // into Scene::images
-  bool v4;
-};
-LightImage FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
-  if (const auto file = FindLightFile(reader, parameters)) {
-    const Encoding encoding = file->v4 ? Encoding::kSrgb : Encoding::kLinear;
-    try {
-      return {AddTextureImage(reader.texture_files, file->path, encoding), file->v4};
-    } catch (const InputError& error) {
-      WarnOfLightImage(reader, parameters, error);
-    }
-  }
-  Image white(1, 1);
-  std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
-  return {AddTextureImage(reader.scene, std::move(white)), false};
-}
-
-// Returns the equal-area square (LightMapping::kSphere) of a lat-long image whose first row is
-// about +z, and whose columns turn from +x to +y.
-Image SquareOfLatLong(const Image& latlong) {
-  constexpr int kPoints = 2;  // along each side of a texel
-  Texture around;
-  around.wrap_v = TextureWrap::kClamp;
-  // A narrow image has few texels, however long it is.
-  constexpr double kMostTexels = 4096;  // along a side
-  const double even = std::ceil(std::sqrt(double(latlong.width) * latlong.height));
-  const int side =
-      int(std::min({double(std::max((latlong.width + 1) / 2, latlong.height)), even, kMostTexels}));
-  Image square(side, side);
-  for (int y = 0; y < side; ++y) {
-    for (int x = 0; x < side; ++x) {
-      glm::vec3 sum(0);
-      for (int i = 0; i < kPoints * kPoints; ++i) {
-        const glm::dvec3 to = DirectionOfSquare((x + (i % kPoints + 0.5) / kPoints) / side,
-                                                (y + (i / kPoints + 0.5) / kPoints) / side);
-        const double turn = std::atan2(to.y, to.x) / (2 * kPi);
-        const double down = std::acos(std::clamp(to.z, -1.0, 1.0)) / kPi;
-        sum += LookUpImage(latlong, around, {turn - std::floor(turn), down});
-      }
-      for (int c = 0; c < 3; ++c) square.Pixel(x, y)[c] = sum[c] / (kPoints * kPoints);
-    }
-  }
-  return square;
-}
-
-// Returns the square of an image of a light, which is one already in pbrt-v4.
-PbrtSphereImage SphereImageOf(PbrtReader& reader, const PbrtParameters& parameters,
-                              const LightImage& given) {
-  const auto key = std::pair(given.index, given.v4);
-  const auto known = reader.sphere_images.find(key);
-  if (known != reader.sphere_images.end()) return known->second;
-  const Image& source = reader.scene.images[given.index];
-  Image image = given.v4 ? source : SquareOfLatLong(source);
-  if (image.width != image.height) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: its image of {} x {} is not an equal-area square",
-                                 parameters.directive, image.width, image.height));
-  }
-  double sum = 0;
-  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-    const float mean = (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3;
-    // To pbrt-v4, the colours do not count, their means do.
-    for (std::size_t c = 0; given.v4 && c < 3; ++c) image.rgb[i + c] = mean;
-    sum += double(mean);
-  }
-  const double mean = sum / (double(image.rgb.size()) / 3);
-  const PbrtSphereImage made = {AddTextureImage(reader.scene, std::move(image)), mean};
-  reader.sphere_images.emplace(key, made);
-  return made;
-}
-
 // Scales the emission to the power that the file asks for, if it does, of a light that sends out
 // `per_unit` with an emission of 1 [sr].
 void SetPower(PbrtParameters& parameters, double per_unit, PunctualLight& light) {
@@ -246,7 +148,7 @@ void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
   const PbrtSphereImage sphere =
-      SphereImageOf(reader, parameters, FindLightImage(reader, parameters));
+      SphereImageOf(reader, parameters, FindPbrtLightImage(reader, parameters));
   SetPower(parameters, 4 * kPi * sphere.mean, light);
   const glm::dmat3 linear(reader.state.to_world);
   light.form = LightForm{.mapping = LightMapping::kSphere,
@@ -261,7 +163,7 @@ void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
-  const auto [index, v4] = FindLightImage(reader, parameters);
+  const auto [index, v4] = FindPbrtLightImage(reader, parameters);
   const float fov = FindFloat(parameters, "fov").value_or(v4 ? 90.0f : 45.0f);
   if (!(fov > 0 && fov < 180)) {
     throw InputError(parameters.position,
@@ -364,7 +266,7 @@ double IlluminanceFromAbove(const Image& square) {
 void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
   EnvironmentLight light;
   light.scale = Emission(reader, parameters, "L");
-  if (const auto file = FindLightFile(reader, parameters)) {
+  if (const auto file = FindPbrtLightFile(reader, parameters); file && !file->path.empty()) {
     light.map_path = file->path;
     light.equal_area_square = file->v4;  // v3: lat-long
   }
@@ -474,7 +376,7 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
       reader.scene.textures.push_back(texture);
       light.image = std::uint32_t(reader.scene.textures.size() - 1);
     } catch (const InputError& error) {
-      WarnOfLightImage(reader, parameters, error);
+      WarnOfPbrtLightImage(reader, parameters, error);
     }
   }
   UseSampleCounts(parameters);

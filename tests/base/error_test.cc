@@ -39,6 +39,7 @@ TEST(Messages, BreakLinesBeforeDetailsOnly) {
   const InputError error(InputPosition::File("a.obj"), "has no triangle\n  why: a\nb");
   EXPECT_STREQ(error.what(), "a.obj: has no triangle\n  why: a?b");
   EXPECT_EQ(error.reason(), "has no triangle\n  why: a?b");
+  EXPECT_EQ(WithoutControlCodes("name\n  of a mesh"), "name?  of a mesh");
 }
 
 TEST(Messages, OfMissingFilesKnowTheirNames) {

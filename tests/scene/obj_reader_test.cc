@@ -278,6 +278,11 @@ TEST(Mtl, PhysicallyBasedStatementsAreLayers) {
   EXPECT_FLOAT_EQ(coated.coat, 0.5f);
   EXPECT_FLOAT_EQ(coated.coat_alpha, 0.04f);
   ExpectNear(coated.sheen, {0.25f, 0.25f, 0.25f});
+  Warnings remarks;
+  Materials("newmtl a\nPr 1\nKs .5 .5 .5\n", remarks);
+  EXPECT_EQ(WarningLines(remarks), std::vector<std::string>{});
+  EXPECT_EQ(NoteLines(remarks),
+            std::vector<std::string>{"t.mtl:3: Ks has no effect beside Pr and Pm"});
   EXPECT_EQ(MtlWarnings("newmtl a\nPr 1\naniso .5\n"),
             std::vector<std::string>{"t.mtl:3: aniso is not rendered: highlights are round"});
 }
