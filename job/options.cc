@@ -275,7 +275,7 @@ std::vector<JobOption> CommonRows() {
     Plain({.name = "sky-patches", .group = kLight, .help = "keep the light of each patch of the sky apart, as layers lights-sky-000 (the ground) and so on: 145 of Tregenza's or 577 of Reinhart's", .scope = kPixels, .example = "--sky-patches tregenza --size 9x7"},
           FIELD(sky_patches), NamesOfEnum<SkyDivision>()),
 
-    Plain({.name = "camera", .group = kCamera, .help = "kind of camera", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
+    Plain({.name = "camera", .group = kCamera, .help = "kind of camera; realistic: only that of a scene that has a lens file", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
           FIELD(camera.kind), NamesOfEnum<CameraKind>()),
     Plain({.name = "eye", .group = kCamera, .help = "position", .scope = kPixels, .example = "--eye=-1.5,2,3", .default_text = "the scene's, or one that sees all of it"},
           FIELD(camera.eye), Points()),
@@ -429,6 +429,7 @@ JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
   LimitDepth(request, notes);
   NoteUselessGuide(request, notes);
   if (!chooses_filter) NoteOtherFilter(request, {settings, scene}, notes);
+  NoteUnknownLimits(request, {settings, scene}, notes);
   CheckResolved(request);
   return request;
 }

@@ -12,6 +12,7 @@
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
 #include "wavefront/policies/emission_pilot.h"
+#include "wavefront/render_option.h"
 
 namespace skywave {
 namespace {
@@ -98,6 +99,14 @@ bool TakesFilter(Integrator integrator, const SceneDefaults& scene) {
   return !filter || !HasSigns(*filter) || !Describe(integrator).has_splats;
 }
 
+// Adds a warning of the scene, or throws InputError where it is read strictly.
+void NoteWarning(const JobRequest& request, const std::string& text,
+                 std::vector<std::string>& notes) {
+  Warnings warnings = {.entries = {}, .by_text = {}, .strict = request.read.strict};
+  AddWarning(warnings, InputPosition::File(request.scene), text);
+  notes.push_back(WarningLines(warnings).front());
+}
+
 }  // namespace
 
 void ResolveFilter(JobRequest& request, const SceneDefaults& scene) {
@@ -126,13 +135,28 @@ void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
                      std::vector<std::string>& notes) {
   const RenderOptions& options = request.options;
   if (TakesFilter(options.integrator, scene) || options.filter == *scene.settings.filter) return;
-  Warnings warnings = {.entries = {}, .by_text = {}, .strict = request.read.strict};
-  AddWarning(warnings, InputPosition::File(request.scene),
-             fmt::format("the filter {} has negative weights, which --integrator {} does not take: "
-                         "{} is used",
-                         ToString(*scene.settings.filter), ToString(options.integrator),
-                         ToString(options.filter)));
-  notes.push_back(WarningLines(warnings).front());
+  NoteWarning(
+      request,
+      fmt::format("the filter {} has negative weights, which --integrator {} does not take: "
+                  "{} is used",
+                  ToString(*scene.settings.filter), ToString(options.integrator),
+                  ToString(options.filter)),
+      notes);
+}
+
+void NoteUnknownLimits(const JobRequest& request, const SceneDefaults& scene,
+                       std::vector<std::string>& notes) {
+  const RenderSettings& settings = scene.settings;
+  if (!settings.largest_of_sample && !settings.luminance_of_sample) return;
+  const Integrator integrator = request.options.integrator;
+  if (Takes(integrator, settings.largest_of_sample ? "clamp-sample" : "clamp-luminance")) return;
+  NoteWarning(
+      request,
+      fmt::format("samples are not limited to {} {:.6g}: --integrator {} has no clamps",
+                  settings.largest_of_sample ? "a largest component of" : "a luminance of",
+                  settings.largest_of_sample.value_or(settings.luminance_of_sample.value_or(0)),
+                  ToString(integrator)),
+      notes);
 }
 
 void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes) {

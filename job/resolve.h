@@ -36,6 +36,10 @@ void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes
 void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
                      std::vector<std::string>& notes);
 
+// The same of limits of samples.
+void NoteUnknownLimits(const JobRequest& request, const SceneDefaults& scene,
+                       std::vector<std::string>& notes);
+
 // Throws InputError for resolved options that do not go together, whatever the scene holds.
 void CheckResolved(const JobRequest& request);
 

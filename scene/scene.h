@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -88,6 +89,8 @@ struct ScreenWindow {
 
 // Camera space: x right, y up, looking along +z; in a right-handed world the matrix mirrors. A
 // scene file's camera may be scaled: directions need normalising after the matrix.
+struct LensSystem;  // scene/lens_system.h
+
 struct Camera {
   CameraKind kind = CameraKind::kPerspective;
   glm::mat4 world_from_camera{1.0f};
@@ -102,6 +105,8 @@ struct Camera {
   // distance is sharp; with a radius of 0 everything is.
   float lens_radius = 0;
   float focal_distance = 1e6f;
+  // That of a realistic camera.
+  std::shared_ptr<const LensSystem> realistic;
 };
 
 // One of the cameras of a file, by which it can be asked for.
@@ -169,6 +174,8 @@ struct RenderSettings {
   std::optional<PixelFilter> filter;
   std::optional<float> filter_radius;  // [pixels]
   std::optional<CropFractions> crop;   // the part that is rendered
+  // The largest channel and the largest luminance of a sample of a pixel [scene radiance].
+  std::optional<float> largest_of_sample, luminance_of_sample;
 };
 
 struct Bounds {

@@ -96,10 +96,58 @@ TEST_P(Clamps, LimitEachPartOfEachPath) {
   EXPECT_GT(of_indirect, 50u);
 }
 
+// The largest channel of a sample decides, or its luminance.
+TEST_P(Clamps, LimitTheSampleByItsLargestChannelOrItsLuminance) {
+  constexpr float kSample = 0.18f, kLuminance = 0.12f;
+  const Scene scene = RoomUnderSkylight();
+  std::size_t of_samples = 0, of_luminance = 0;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const JobRequest request = Request(GetParam(), seed);
+    const std::vector<float> plain = Picture(scene, request);
+    std::vector<float> less = plain, darker = plain;
+    of_samples += Limit(less, kSample);
+    for (std::size_t i = 0; i < plain.size(); i += 3) {
+      const double y = 0.2125 * plain[i] + 0.7154 * plain[i + 1] + 0.0721 * plain[i + 2];
+      if (y <= kLuminance) continue;
+      ++of_luminance;
+      for (std::size_t c = 0; c < 3; ++c) darker[i + c] *= float(kLuminance / y);
+    }
+    JobRequest by_channel = request, by_luminance = request;
+    by_channel.options.of<ClampOptions>().sample = kSample;
+    by_luminance.options.of<ClampOptions>().luminance = kLuminance;
+    const std::vector<float> a = Picture(scene, by_channel), b = Picture(scene, by_luminance);
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      ASSERT_NEAR(a[i], less[i], 1e-5f * (0.1f + plain[i])) << seed << " " << i;
+      ASSERT_NEAR(b[i], darker[i], 1e-5f * (0.1f + plain[i])) << seed << " " << i;
+    }
+  }
+  EXPECT_GT(of_samples, 20u);
+  EXPECT_GT(of_luminance, 20u);
+}
+
 TEST_P(Clamps, ThatNothingReachesChangeNoBit) {
   const Scene scene = RoomUnderSkylight();
   const JobRequest request = Request(GetParam(), 3, 4);
-  EXPECT_EQ(Picture(scene, Clamped(request, 1e12f, 1e12f)), Picture(scene, request));
+  EXPECT_EQ(Picture(scene, Clamped(request, 1e11f, 1e11f)), Picture(scene, request));
+}
+
+// A file may ask for limits, which a user can change or lift.
+TEST(Clamps, OfTheSceneHoldUnlessTheUserGivesOthers) {
+  Scene scene = RoomUnderSkylight();
+  JobRequest request = Request("path", 1);
+  JobRequest limited = request, lifted = request;
+  limited.options.of<ClampOptions>().sample = 0.18f;
+  lifted.options.of<ClampOptions>().sample = ClampOptions::kLifted;
+  const std::vector<float> plain = Picture(scene, request), less = Picture(scene, limited);
+  EXPECT_NE(plain, less);
+  scene.settings.largest_of_sample = 0.18f;
+  EXPECT_EQ(Picture(scene, request), less);
+  EXPECT_EQ(Picture(scene, lifted), plain);
+  request.integrator = Integrator::kBdpt;
+  const std::vector<std::string> notes = RenderJob(scene, request).notes();
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.find("samples are not limited to a largest component of 0.18") != note.npos;
+  }));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Clamps, testing::Values("path", "direct", "split", "one surface"),

@@ -38,7 +38,7 @@ std::uint32_t FollowDirect(const FrameView& frame, std::uint32_t n, Worker& w, F
     std::swap(rays, next);
   }
   ClampDirectOfEnded(frame, bounce, w);
-  ClampIndirect(frame, w);
+  ClampIndirectAndWhole(frame, w);
   return bounce;
 }
 

@@ -146,7 +146,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   KeepDirectOfEnded(range.count, bounce, w, film);
   const PathColumns& indirect = c.wave.paths;
   AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.bsdf_samples, w.paths);
-  ClampIndirect(frame, w);
+  ClampIndirectAndWhole(frame, w);
   w.stats += std::exchange(c.wave.stats, {});
   FinishPaths(frame, range.count, w, film, clock);
 }

@@ -36,7 +36,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     std::swap(rays, next);
   }
   ClampDirectOfEnded(frame, bounce, w);
-  ClampIndirect(frame, w);
+  ClampIndirectAndWhole(frame, w);
   return bounce;
 }
 

@@ -2,7 +2,8 @@
 // of these: a picture with clamps is too dark where they work, with any number of samples.
 //
 // The light of a path is direct up to the second surface, as in the layer `direct`, and then
-// indirect. What is above the limit is scaled down to it, all channels alike, so colours stay.
+// indirect; a sample of a pixel is both. What is above the limit is scaled down to it, all channels
+// alike, so colours stay.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,13 @@
 
 namespace skywave {
 
-// The largest radiance in any channel that a path may bring [scene radiance]; 0: any.
+// The largest radiance in any channel that a path may bring, or for the last one the largest
+// luminance [scene radiance]; 0: any, or what the scene file says.
 struct ClampOptions {
-  float direct = 0, indirect = 0;
-  bool any() const { return direct > 0 || indirect > 0; }
+  static constexpr float kLifted = 1e12f;  // the same as no limit
+  float direct = 0, indirect = 0, sample = 0, luminance = 0;
+  static bool Works(float limit) { return limit > 0 && limit < kLifted; }
+  bool any() const { return Works(direct) || Works(indirect) || Works(sample) || Works(luminance); }
 };
 
 // The options of integrators that follow whole paths from the camera.
@@ -40,7 +44,7 @@ void ClampDirect(const FrameView& frame, std::uint32_t bounce, const Worker& w);
 // The same of paths that have all ended before that, at `bounce`.
 void ClampDirectOfEnded(const FrameView& frame, std::uint32_t bounce, const Worker& w);
 
-// Clamps what paths have brought since then, at their ends.
-void ClampIndirect(const FrameView& frame, const Worker& w);
+// Clamps what paths have brought since then, and all of it, at their ends.
+void ClampIndirectAndWhole(const FrameView& frame, const Worker& w);
 
 }  // namespace skywave
