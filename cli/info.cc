@@ -20,6 +20,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
 #include "scene/geometry.h"
+#include "scene/lens_system.h"
 #include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
@@ -134,6 +135,11 @@ nlohmann::ordered_json Json(const Camera& camera) {
     json["lens_radius"] = camera.lens_radius;
     json["focal_distance"] = camera.focal_distance;
   }
+  if (camera.kind == CameraKind::kRealistic) {
+    json["lens"] = {{"interfaces", camera.realistic->design.interfaces.size()},
+                    {"focal_length", camera.realistic->focal_length},
+                    {"film_diagonal", camera.realistic->design.film_diagonal}};
+  }
   return json;
 }
 
@@ -238,6 +244,11 @@ std::string Describe(const Camera& camera) {
   if (camera.lens_radius > 0) {
     text += fmt::format(", lens of radius {:.4g}, sharp at {:.4g}", camera.lens_radius,
                         camera.focal_distance);
+  }
+  if (camera.kind == CameraKind::kRealistic) {
+    text += fmt::format(", lens of {} interfaces, focal length {:.4g}, film of {:.4g}",
+                        camera.realistic->design.interfaces.size(), camera.realistic->focal_length,
+                        camera.realistic->design.film_diagonal);
   }
   return text;
 }

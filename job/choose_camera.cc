@@ -51,6 +51,26 @@ glm::vec3 UpOf(const Scene& scene, const CameraRequest& request, const glm::vec3
   throw OptionError({{"up", ""}}, "is the direction in which the camera looks, or no direction");
 }
 
+// Throws OptionError where the lens of the scene's camera is asked for and is none, or is to be
+// another one.
+void CheckRealistic(const Camera& camera, const CameraRequest& request) {
+  const bool has_one = camera.kind == CameraKind::kRealistic;
+  const bool wants_one = request.kind.value_or(camera.kind) == CameraKind::kRealistic;
+  if (wants_one && !has_one) {
+    throw OptionError("camera", "realistic",
+                      "is the camera of a scene with a lens file, as pbrt's are, and this is none");
+  }
+  if (!has_one || !wants_one) return;
+  for (const auto& [name, given] : {std::pair("fov", request.fov_degrees.has_value()),
+                                    {"lens-radius", request.lens_radius.has_value()},
+                                    {"focal-distance", request.focal_distance.has_value()}}) {
+    if (!given) continue;
+    throw OptionError(name, "",
+                      "is a matter of the lens file of this scene's camera; `camera perspective` "
+                      "is one without it");
+  }
+}
+
 // Returns the camera turned about its view, clockwise as it looks.
 glm::mat4 Rolled(const glm::mat4& camera, float degrees) {
   if (degrees == 0) return camera;
@@ -82,7 +102,9 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
                                             camera.fov_degrees, scene.left_handed)
                                    .world_from_camera;
   }
+  CheckRealistic(camera, request);
   if (request.kind) {
+    if (camera.kind == CameraKind::kRealistic) camera.kind = CameraKind::kPerspective;
     camera = WithKind(camera, *request.kind, bounds, scene.up_axis, scene.left_handed);
     if (request.fov_degrees) camera.fov_degrees = *request.fov_degrees;
   }

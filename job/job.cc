@@ -343,6 +343,11 @@ bool RenderJob::NeedsEmitter(Integrator integrator, const EnvStrategy& strategy)
 // paths would bring light to surfaces that cut holes.
 void RenderJob::CheckLightPaths(Integrator integrator) const {
   if (!Describe(integrator).has_light_paths()) return;
+  if (scene_camera_.kind == CameraKind::kRealistic && Describe(integrator).has_splats) {
+    throw OptionError("integrator", std::string(ToString(integrator)),
+                      "has light paths that end at the camera, and no connection goes through the "
+                      "lens of a realistic one: use `integrator path`");
+  }
   if (geometry().holdouts() != nullptr) {
     throw OptionError("holdout", "",
                       fmt::format("goes with integrators whose paths all begin at the camera, as "

@@ -1,11 +1,13 @@
 #include "kernels/camera.h"
 
 #include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/camera.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/lens-inl.h"
 #include "kernels/simd/records-inl.h"
 #include "kernels/simd/sphere-inl.h"
 
@@ -115,6 +117,23 @@ struct Fisheye {
   }
 };
 
+// The image on the film is upside down, so right and down of the picture are -x and y of the film.
+struct Realistic {
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y, VF lens_u,
+                                           VF lens_v, VF& throughput) {
+    const VF from_left = x - 0.5f * float(camera.whole_width);
+    const VF from_top = y - 0.5f * float(camera.whole_height);
+    LensRay ray = ToPupil(*camera.realistic, -from_left * camera.pixel_side,
+                          from_top * camera.pixel_side, lens_u, lens_v, throughput);
+    PassLens(*camera.realistic, ray);
+    throughput = hn::IfThenElseZero(ray.passes, throughput);
+    const V3 dir = IfThen(ray.passes, ray.dir, V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
+    const V3 at = IfThen(ray.passes, ray.origin, V3{hn::Zero(F()), hn::Zero(F()), hn::Zero(F())});
+    return {Set3(camera.origin) + FromAxes(camera, at.x, -at.y, at.z),
+            FromAxes(camera, dir.x, -dir.y, dir.z)};
+  }
+};
+
 template <class Kind, bool kLens>
 HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& paths,
                                const UniformColumns& film, const UniformColumns& lens,
@@ -136,12 +155,18 @@ HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& path
     column = IfThen(next, column - width, column) + first_column;
     const VF x = ToFloat(column) + 0.5f + FilterOffset(camera.filter_offset, Load(film.u + i));
     const VF y = ToFloat(row) + 0.5f + FilterOffset(camera.filter_offset, Load(film.v + i));
-    OriginAndDirection ray = Kind::Ray(camera, x, y);
-    if constexpr (kLens) RefractByLens(camera, lens, i, ray);
+    VF throughput = one, t_far = infinity;
+    OriginAndDirection ray;
+    if constexpr (std::is_same_v<Kind, Realistic>) {
+      ray = Kind::Ray(camera, x, y, Load(lens.u + i), Load(lens.v + i), throughput);
+      t_far = IfThen(hn::Gt(throughput, zero), infinity, Set(-1.0f));
+    } else {
+      ray = Kind::Ray(camera, x, y);
+      if constexpr (kLens) RefractByLens(camera, lens, i, ray);
+    }
     const V3 dir = Normalize(ray.dir);
     Store3(ray.origin, rays.org_x + i, rays.org_y + i, rays.org_z + i);
     Store3(dir, rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
-    VF throughput = one, t_far = infinity;
     if constexpr (requires { Kind::Sees(camera, x, y); }) {
       const MF seen = Kind::Sees(camera, x, y);
       throughput = IfThen(seen, one, zero), t_far = IfThen(seen, infinity, Set(-1.0f));
@@ -173,6 +198,8 @@ void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
       return GenerateRaysOf<EqualArea, false>(camera, paths, film, lens, n, rays);
     case CameraKind::kFisheye:
       return GenerateRaysOf<Fisheye, false>(camera, paths, film, lens, n, rays);
+    case CameraKind::kRealistic:
+      return GenerateRaysOf<Realistic, true>(camera, paths, film, lens, n, rays);
   }
 }
 

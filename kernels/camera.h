@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/lens.h"
 
 namespace skywave {
 
@@ -24,14 +25,16 @@ constexpr std::uint32_t WholeBeams(std::uint32_t rows) {
 // Equal-Area Mapping of the (Hemi)Sphere using SIMD", whose middle looks straight up. kFisheye is
 // equidistant: the angle to the axis grows with the distance from the middle of the film (Blender's
 // "Fisheye Equidistant"), in the circle that touches the shorter side; outside of it nothing is
-// seen.
+// seen. kRealistic follows rays through the elements of a lens.
 enum class CameraKind : std::uint32_t {
   kPerspective,
   kOrthographic,
   kLatLong,
   kEqualArea,
-  kFisheye
+  kFisheye,
+  kRealistic
 };
+// Those that every scene can have.
 inline constexpr CameraKind kCameraKinds[] = {CameraKind::kPerspective, CameraKind::kOrthographic,
                                               CameraKind::kLatLong, CameraKind::kEqualArea,
                                               CameraKind::kFisheye};
@@ -48,7 +51,8 @@ struct CameraView {
   CameraKind kind = CameraKind::kPerspective;
   float origin[3];
   // Perspective: (x, y) looks along corner + x * right + y * down. Orthographic: the ray begins at
-  // that point and looks along forward. All others: right, down and forward are unit axes.
+  // that point and looks along forward. All others: right, down and forward are unit axes, but
+  // those of a realistic camera, which are as long as a unit of its lens.
   float corner[3], right[3], down[3], forward[3];
   // Half axes of the lens, and the distance of the plane in focus in units of the directions above.
   // A lens_radius of 0 means no lens.
@@ -58,18 +62,23 @@ struct CameraView {
   std::uint32_t first_column = 0, first_row = 0;    // its corner in the whole film [pixels]
   std::uint32_t whole_width = 1, whole_height = 1;  // [pixels], for spherical cameras and fisheye
   // Fisheye: angle of a pixel, and angle from the axis to the rim of the circle [turns], <= 1/2.
+  // Realistic: the angle on the axis.
   float turns_per_pixel = 0, rim_turns = 0;
+  // Realistic: the lens, and the side of a pixel in camera space.
+  const LensView* realistic = nullptr;
+  float pixel_side = 0;
   // The inverse of the pixel filter's cumulative distribution maps a uniform number to an offset
   // from the pixel's centre [pixels], linearly within each of kFilterCells cells.
   const float* filter_offset = nullptr;  // kFilterCells + 1 entries
 
-  bool has_lens() const { return lens_radius > 0; }
+  bool has_lens() const { return lens_radius > 0 || realistic != nullptr; }
 };
 
 // Writes rows [0, n) of `rays`: one ray with throughput 1 per path, in path order. `film` holds the
 // uniforms of pair kFilmPair; `lens` those of kLensPair, which are read if the camera has a lens.
 // The pixel filter is sampled, so a sample belongs to one pixel with weight 1. Points on the lens
-// are uniform over its disk. Outside the fisheye's circle the throughput is 0 and the ray is closed
+// are uniform over its disk. The throughput of a realistic camera is what its lens lets pass. Where
+// that is nothing, and outside the fisheye's circle, the throughput is 0 and the ray is closed
 // (negative t_far).
 void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
                         const UniformColumns& film, const UniformColumns& lens, std::uint32_t n,

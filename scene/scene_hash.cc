@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "kernels/bsdf/bsdf.h"
+#include "scene/lens_system.h"
 
 namespace skywave {
 namespace {
@@ -87,6 +88,7 @@ void AddCamera(const Camera& camera, Hash& hash) {
   if (camera.square_pixels) hash.Add(camera.square_pixels);
   if (camera.film_width > 0) hash.Add(camera.film_width), hash.Add(camera.film_height);
   hash.Add(camera.lens_radius), hash.Add(camera.focal_distance);
+  if (camera.realistic) hash.AddAll(camera.realistic->columns);
 }
 
 void AddEnvironment(const EnvironmentLight& light, const glm::mat3& world_from_map, Hash& hash) {

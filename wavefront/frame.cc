@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <glm/gtc/constants.hpp>
+
+#include "scene/lens_system.h"
 
 namespace skywave {
 namespace {
@@ -64,7 +67,9 @@ float LengthOf(const float (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1]
 
 float PixelAngle(const CameraView& camera) {
   constexpr float kTurn = 6.28318531f;
-  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
+  const bool has_turns =
+      camera.kind == CameraKind::kFisheye || camera.kind == CameraKind::kRealistic;
+  if (has_turns) return kTurn * camera.turns_per_pixel;
   if (camera.kind != CameraKind::kPerspective) return 0;
   return LengthOf(camera.right) / LengthOf(camera.forward);
 }
@@ -75,6 +80,7 @@ float PixelSize(const CameraView& camera, float distance) {
   switch (camera.kind) {
     case CameraKind::kPerspective:
     case CameraKind::kFisheye:
+    case CameraKind::kRealistic:
       return distance * PixelAngle(camera);
     case CameraKind::kOrthographic:
       return LengthOf(camera.right);
@@ -109,6 +115,16 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
   view.whole_width = std::uint32_t(width), view.whole_height = std::uint32_t(height);
   view.filter_offset = filter_offset;
   Copy(glm::vec3(world[3]), view.origin);
+  if (camera.kind == CameraKind::kRealistic) {
+    const double side = camera.realistic->design.film_diagonal / std::hypot(width, height);
+    view.realistic = &camera.realistic->view;
+    view.pixel_side = float(side);
+    const double f = camera.realistic->focal_length;
+    if (f > 0) view.turns_per_pixel = float(side / f / glm::two_pi<double>());
+    Copy(glm::vec3(x), view.right), Copy(glm::vec3(-y), view.down),
+        Copy(glm::vec3(z), view.forward);
+    return view;
+  }
   if (!HasPlaneFilm(camera.kind)) {
     const double rim = double(camera.fov_degrees) / 720;
     view.turns_per_pixel = float(2 * rim / std::min(width, height));

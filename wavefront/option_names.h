@@ -15,7 +15,8 @@ inline constexpr auto kEnumNames<CameraKind> =
                                       {CameraKind::kOrthographic, "orthographic"},
                                       {CameraKind::kLatLong, "latlong"},
                                       {CameraKind::kEqualArea, "equal-area"},
-                                      {CameraKind::kFisheye, "fisheye"}});
+                                      {CameraKind::kFisheye, "fisheye"},
+                                      {CameraKind::kRealistic, "realistic"}});
 
 template <>
 inline constexpr auto kEnumNames<PhotonKernel> =

@@ -219,6 +219,8 @@ void ConnectCamera(const CameraView& camera, const SurfaceColumns& points,
       return ConnectCameraOf<ToEqualArea, false>(camera, points, lens, n, lights, out);
     case CameraKind::kFisheye:
       return ConnectCameraOf<ToFisheye, false>(camera, points, lens, n, lights, out);
+    case CameraKind::kRealistic:
+      return;  // no light path is connected with such a camera (job/choose_camera.cc)
   }
 }
 

@@ -14,22 +14,6 @@
 namespace skywave {
 namespace {
 
-// The arguments of `Directive "type" parameters`.
-struct Implementation {
-  std::string type;
-  PbrtParameters parameters;
-};
-
-Implementation ReadImplementation(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  if (reader.in_world) {
-    throw InputError(PositionOf(source, word),
-                     fmt::format("{} has to come before WorldBegin", word.text));
-  }
-  const std::string type = ExpectString(source, fmt::format("the type of {}", word.text));
-  return {type, ReadParameters(source, PositionOf(source, word),
-                               fmt::format("{} \"{}\"", word.text, type), reader.warnings)};
-}
-
 void Note(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
   AddNote(reader.warnings, parameters.position, parameters.directive + ": " + text);
 }
@@ -40,110 +24,6 @@ int RequirePositive(const PbrtParameters& parameters, std::string_view name, int
                      fmt::format("{}: \"{}\" is {}", parameters.directive, name, value));
   }
   return value;
-}
-
-// Returns nothing for pbrt's default, [-1, 1] on the shorter side by the aspect of the film;
-// otherwise the window follows "frameaspectratio" or "screenwindow".
-std::optional<ScreenWindow> ReadScreenWindow(PbrtParameters& parameters) {
-  std::optional<ScreenWindow> window;
-  if (const auto aspect = FindFloat(parameters, "frameaspectratio")) {
-    if (!(*aspect > 0)) {
-      throw InputError(parameters.position, fmt::format("{}: \"frameaspectratio\" is {}",
-                                                        parameters.directive, *aspect));
-    }
-    const float x = std::max(*aspect, 1.0f), y = std::max(1 / *aspect, 1.0f);
-    window = ScreenWindow{-x, x, -y, y};
-  }
-  if (const PbrtParameter* given = Find(parameters, {"float"}, "screenwindow")) {
-    const std::vector<float>& w = given->floats;
-    if (w.size() != 4 || !(w[0] < w[1] && w[2] < w[3])) {
-      throw InputError(given->position,
-                       fmt::format("{}: \"screenwindow\" takes left < right, bottom < top",
-                                   parameters.directive));
-    }
-    window = ScreenWindow{w[0], w[1], w[2], w[3]};
-  }
-  return window;
-}
-
-void ReadLens(PbrtParameters& parameters, Camera& camera) {
-  camera.lens_radius = FindFloat(parameters, "lensradius").value_or(0);
-  camera.focal_distance = FindFloat(parameters, "focaldistance").value_or(camera.focal_distance);
-  if (!(camera.lens_radius >= 0 && camera.focal_distance > 0)) {
-    throw InputError(parameters.position,
-                     parameters.directive + ": the lens is negative or focused on itself");
-  }
-}
-
-// pbrt-v4 exposes the film for as long as the shutter is open. Nothing moves here, so that is all
-// that the times mean. Version 3 does not ask how long it is.
-void ReadShutter(PbrtReader& reader, PbrtParameters& parameters) {
-  const float open = FindFloat(parameters, "shutteropen").value_or(0);
-  const float close = FindFloat(parameters, "shutterclose").value_or(1);
-  if (reader.v3) return;
-  reader.exposure_time = close - open;
-  if (!(reader.exposure_time > 0 && reader.exposure_time <= 1e6f)) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: the shutter opens at {} s and closes at {} s",
-                                 parameters.directive, open, close));
-  }
-}
-
-void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
-  camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
-  if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
-  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: \"fov\" is {}: not between 0 and 180 degrees",
-                                 parameters.directive, camera.fov_degrees));
-  }
-}
-
-// Reads pbrt-v4's "spherical" camera and pbrt-v3's "environment", which is the lat-long mapping of
-// the former: the middle of the picture looks along -x, its right half along -z.
-void ReadSphericalCamera(PbrtReader& reader, PbrtParameters& parameters, bool v4, Camera& camera) {
-  const std::string mapping =
-      v4 ? FindString(parameters, "mapping").value_or("equalarea") : "equirectangular";
-  if (mapping == "equalarea") {
-    camera.kind = CameraKind::kEqualArea;
-    return;
-  }
-  if (mapping != "equirectangular") {
-    Warn(reader, parameters,
-         fmt::format("mapping \"{}\" is not supported: equirectangular is used", mapping));
-  }
-  camera.kind = CameraKind::kLatLong;
-  camera.world_from_camera *= glm::mat4({0, 0, -1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0, 0, 0, 1});
-}
-
-void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
-  if (const auto& flaw = reader.state.flaw) {
-    throw InputError(parameters.position,
-                     fmt::format("a camera under a transform that is {} since the {} of {}",
-                                 flaw->what, flaw->directive, ToString(flaw->position)));
-  }
-  Camera camera;
-  camera.world_from_camera = glm::inverse(reader.state.to_world);
-  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
-  if (type == "spherical" || type == "environment") {
-    ReadSphericalCamera(reader, parameters, type == "spherical", camera);
-  } else if (type == "orthographic") {
-    camera.kind = CameraKind::kOrthographic;
-    ReadLens(parameters, camera);
-    camera.window = ReadScreenWindow(parameters);
-  } else {
-    ReadFieldOfView(parameters, camera);
-    ReadLens(parameters, camera);
-    camera.window = ReadScreenWindow(parameters);
-    if (type != "perspective") {
-      Warn(reader, parameters, "is not supported: rendered as perspective");
-      UseAll(parameters);
-    }
-  }
-  ReadShutter(reader, parameters);
-  ReportUnused(parameters, reader.warnings);
-  reader.scene.camera = camera;
 }
 
 // Puts the two ends of an interval in order and cuts off what lies beyond [0, end], as pbrt does.
@@ -187,7 +67,7 @@ void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
 }
 
 void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto [type, parameters] = ReadPbrtImplementation(reader, source, word);
   RenderSettings& settings = reader.scene.settings;
   for (auto [name, value] :
        {std::pair("xresolution", &settings.width), std::pair("yresolution", &settings.height)}) {
@@ -196,9 +76,14 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     }
   }
   ReadCrop(parameters, settings);
-  // The film's size in millimetres does not affect the supported cameras, and 16-bit output has no
-  // effect here.
-  FindFloat(parameters, "diagonal");
+  // The size of the film matters to realistic cameras only, and 16-bit output has no effect here.
+  if (const auto diagonal = FindFloat(parameters, "diagonal")) {
+    if (!(*diagonal > 0 && *diagonal <= 1e6f)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"diagonal\" is {} mm", parameters.directive, *diagonal));
+    }
+    reader.film_diagonal = *diagonal;
+  }
   FindBool(parameters, "savefp16");
   if (const auto iso = FindFloat(parameters, "iso")) {
     if (!(*iso > 0 && *iso <= 1e6f)) {
@@ -215,6 +100,22 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     }
     reader.film_gain = *scale;
   }
+  // Version 4 limits what it writes, version 3 what it multiplies.
+  const auto read_limit = [&, &parameters = parameters](const char* name, float gain) {
+    std::optional<float> limit = FindFloat(parameters, name);
+    if (limit && !(*limit > 0)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"{}\" is {}", parameters.directive, name, *limit));
+    }
+    // What is beyond all radiances is none.
+    if (limit && *limit * gain > 1e12f) limit.reset();
+    return limit ? std::optional(std::max(*limit * gain, 1e-12f)) : std::nullopt;
+  };
+  if (reader.v3) {
+    settings.luminance_of_sample = read_limit("maxsampleluminance", reader.film_gain);
+  } else {
+    settings.largest_of_sample = read_limit("maxcomponentvalue", 1);
+  }
   if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
     Warn(reader, parameters,
          fmt::format("sensor \"{}\" is not supported: cie1931 is used", *sensor));
@@ -227,7 +128,7 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 }
 
 void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto [type, parameters] = ReadPbrtImplementation(reader, source, word);
   auto& samples = reader.scene.settings.samples_per_pixel;
   if (const auto found = FindInt(parameters, "pixelsamples")) {
     samples = RequirePositive(parameters, "pixelsamples", *found);
@@ -267,7 +168,7 @@ void ReadPhotons(PbrtReader& reader, PbrtParameters& parameters) {
 }
 
 void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto [type, parameters] = ReadPbrtImplementation(reader, source, word);
   RenderSettings& settings = reader.scene.settings;
   static const std::map<std::string_view, const char*> kNames = {
       {"path", "path"},       {"volpath", "path"},
@@ -316,7 +217,7 @@ void FitGaussian(PbrtReader& reader, PbrtParameters& parameters) {
 }
 
 void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto [type, parameters] = ReadPbrtImplementation(reader, source, word);
   RenderSettings& settings = reader.scene.settings;
   settings.filter_radius.reset();
   if (type == "box") {
@@ -364,11 +265,12 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
 
 // An accelerator changes nothing in the picture.
 void Accelerator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  Note(reader, ReadImplementation(reader, source, word).parameters, "is ignored");
+  Note(reader, ReadPbrtImplementation(reader, source, word).parameters, "is ignored");
 }
 
 void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  Warn(reader, ReadImplementation(reader, source, word).parameters, "is not supported: ignored");
+  Warn(reader, ReadPbrtImplementation(reader, source, word).parameters,
+       "is not supported: ignored");
 }
 
 // pbrt-v4: `Option "name" value`, where the value is one word or string, and names may have
@@ -427,7 +329,7 @@ void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 }
 
 constexpr PbrtDirective kOptionDirectives[] = {
-    {"Camera", ReadCamera},
+    {"Camera", ReadPbrtCamera},
     {"Film", ReadFilm},
     {"Sampler", ReadSampler},
     {"Integrator", ReadIntegrator},
@@ -441,6 +343,17 @@ constexpr PbrtDirective kOptionDirectives[] = {
 };
 
 }  // namespace
+
+PbrtImplementation ReadPbrtImplementation(PbrtReader& reader, PbrtSource& source,
+                                          const PbrtToken& word) {
+  if (reader.in_world) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{} has to come before WorldBegin", word.text));
+  }
+  const std::string type = ExpectString(source, fmt::format("the type of {}", word.text));
+  return {type, ReadParameters(source, PositionOf(source, word),
+                               fmt::format("{} \"{}\"", word.text, type), reader.warnings)};
+}
 
 PbrtHandler FindPbrtOptionDirective(std::string_view word) {
   return FindPbrtDirective(kOptionDirectives, word);

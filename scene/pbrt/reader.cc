@@ -193,6 +193,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
     AddWarning(reader.warnings, open.position, open.begin + " is never closed");
   }
   SetPbrtDefaults(reader.v3, reader.scene.settings);
+  PlacePbrtLens(reader);
   const float gain = reader.film_gain * reader.exposure_time;
   if (gain != 1) ScaleLight(gain, reader.scene);
   ResolveInstances(options, path, reader.scene);

@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "scene/lens_system.h"
 #include "scene/materials/texture_baking.h"
 #include "scene/materials/texture_files.h"
 #include "scene/pbrt/parameters.h"
@@ -45,6 +46,13 @@ struct PbrtSolidParameter {
   PbrtSolidUse use;
   std::shared_ptr<const PbrtSolid> value;
   float fallback = 0;  // what shapes get on which it cannot be: for roughness all alphas
+};
+
+// The lens of a realistic camera, which is focused once the size of the film is known.
+struct PbrtLens {
+  LensDesign design;
+  double focus_distance = 10;  // from the film
+  InputPosition position;      // of the camera
 };
 
 // The image of a light in all directions (LightMapping::kSphere).
@@ -121,7 +129,9 @@ struct PbrtReader {
   bool in_object = false;                       // the last of Scene::objects is being defined
   // The factor of all light is their product: the speed of the film, and how long it is exposed.
   float film_gain = 1, exposure_time = 1;
-  bool v3 = false;  // the main file has a WorldEnd
+  float film_diagonal = 35;      // [mm]
+  std::optional<PbrtLens> lens;  // of the camera, if it is realistic
+  bool v3 = false;               // the main file has a WorldEnd
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, those of each object once
@@ -196,6 +206,18 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
 void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
                                   std::size_t faces, const InputPosition& position);
+
+// Reads the arguments of `Directive "type" parameters` before WorldBegin (options.cc).
+struct PbrtImplementation {
+  std::string type;
+  PbrtParameters parameters;
+};
+PbrtImplementation ReadPbrtImplementation(PbrtReader& reader, PbrtSource& source,
+                                          const PbrtToken& word);
+
+// Handles the directive Camera, and at the end gives it its lens, if it has one (cameras.cc).
+void ReadPbrtCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+void PlacePbrtLens(PbrtReader& reader);
 
 // Return the handler of a directive, or null for words that the file does not handle.
 PbrtHandler FindPbrtTransformDirective(std::string_view word);  // transforms.cc

@@ -88,6 +88,7 @@ class PbrtFeatures : public testing::Test {
     Image square(4, 4);
     std::fill(square.rgb.begin(), square.rgb.end(), 0.5f);
     WritePfm(folder_.Path("square.pfm"), square);
+    folder_.Write("lens.dat", "40 4 1.5 20\n-40 2 1 20\n0 30 0 8\n");
   }
 
   static std::string StoredGzip(const std::string& text) {

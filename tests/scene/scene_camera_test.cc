@@ -353,6 +353,24 @@ TEST(PbrtOptions, AreReadAndChangeNothingButWhatIsSaid) {
   EXPECT_THROW(Parse("Option seed 5 WorldBegin"), InputError);
 }
 
+TEST(PbrtOptions, LimitsOfSamplesAreThoseOfTheirVersion) {
+  const RenderSettings v4 = Parse(
+                                "Film \"rgb\" \"float iso\" 200 \"float maxcomponentvalue\" 4 "
+                                "WorldBegin")
+                                .settings;
+  EXPECT_EQ(v4.largest_of_sample, 4.0f);
+  EXPECT_FALSE(v4.luminance_of_sample);
+  const RenderSettings v3 = Parse(
+                                "Film \"image\" \"float maxsampleluminance\" 4 \"float scale\" 2 "
+                                "WorldBegin Shape \"sphere\" WorldEnd")
+                                .settings;
+  EXPECT_EQ(v3.luminance_of_sample, 8.0f);
+  EXPECT_FALSE(v3.largest_of_sample);
+  EXPECT_FALSE(
+      Parse("Film \"rgb\" \"float maxcomponentvalue\" 1e30 WorldBegin").settings.largest_of_sample);
+  EXPECT_THROW(Parse("Film \"rgb\" \"float maxcomponentvalue\" 0"), InputError);
+}
+
 TEST(PbrtOptions, NameTheIntegrator) {
   EXPECT_EQ(Parse("Integrator \"bdpt\"").settings.integrator, "bdpt");
   EXPECT_EQ(Parse("Integrator \"lightpath\"").settings.integrator, "light");

@@ -412,7 +412,7 @@ TEST(Warnings, EverythingSkippedIsReported) {
                            "Attribute \"shape\" \"float bulge\" 2 Shape \"sphere\"",
                            "LightSource \"laser\"",
                            "LightSource \"point\" \"float bulge\" 1",
-                           "Film \"rgb\" \"float maxcomponentvalue\" 3",
+                           "Film \"rgb\" \"string sensor\" \"canon_eos_100d\"",
                            "LightSource \"infinite\" \"spectrum L\" \"stdillum-X\"",
                            "Scale 1 2 1 LightSource \"infinite\"",
                            "Material \"uber\" \"rgb opacity\" [.3 .4 .5]",

@@ -386,6 +386,8 @@ std::optional<Oracle::Ray> Oracle::CameraRay(const glm::dvec2& film, const Rende
       if (radius > 0) direction = {off * (std::sin(angle) / radius), std::cos(angle)};
       break;
     }
+    case CameraKind::kRealistic:  // lens_system_test.cc follows its rays
+      return std::nullopt;
   }
   if (camera_.lens_radius > 0) {
     const dvec3 sharp = origin + direction * double(camera_.focal_distance);

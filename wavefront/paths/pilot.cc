@@ -21,6 +21,7 @@ CameraView WithPixels(CameraView camera, std::uint32_t width, std::uint32_t heig
     for (float& x : camera.down) x *= higher;
   }
   camera.turns_per_pixel *= std::max(wider, higher);
+  camera.pixel_side *= std::max(wider, higher);
   camera.width = camera.whole_width = width;
   camera.height = camera.whole_height = height;
   camera.first_column = camera.first_row = 0;
