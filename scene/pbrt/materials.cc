@@ -338,9 +338,8 @@ Material Mix(Context& context) {
     }
     if (const auto shares = FindSolidTexture(parameters, "amount", *textures)) {
       const bool inverted = list == nullptr;
-      const auto share = [inverted, share_at = shares->solid](const glm::dvec3& place,
-                                                              const glm::dvec3& normal) {
-        const glm::vec3 color = (*share_at)(place, normal);
+      const auto share = [inverted, share_at = shares->solid](const PbrtPoint& point) {
+        const glm::vec3 color = (*share_at)(point);
         const float value = std::clamp((color.x + color.y + color.z) / 3, 0.0f, 1.0f);
         return glm::vec3(inverted ? 1 - value : value);
       };

@@ -24,7 +24,7 @@
 //
 // A reflectance, Kd, Ks or transmittance may be an image (textures.cc), and so may the roughness of
 // conductors, dielectrics and coats and the amount of mix; all but Ks and transmittance may vary in
-// space (solid_textures.h). A reflectance that varies in space is that of a diffuse body. Other
+// space (solid_baking.h). A reflectance that varies in space is that of a diffuse body. Other
 // parameters are constant.
 #pragma once
 

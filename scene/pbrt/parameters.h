@@ -38,9 +38,13 @@ struct PbrtParameters {
   std::optional<RgbConversion> color_space;  // of colours given as rgb; nothing: linear Rec. 709
 };
 
-// A colour, or a number in all of its channels, that depends on the place and the unit normal, both
-// in world space.
-using PbrtSolid = std::function<glm::vec3(const glm::dvec3& place, const glm::dvec3& normal)>;
+// A point of a shape: its place and unit normal in world space, and the (u, v) of the shape itself.
+struct PbrtPoint {
+  glm::dvec3 place, normal;
+  glm::dvec2 uv;
+};
+// A colour, or a number in all of its channels, at a point.
+using PbrtSolid = std::function<glm::vec3(const PbrtPoint& point)>;
 
 struct PbrtTexture {
   std::optional<glm::vec3> value;      // its constant value, or the factor of the image

@@ -89,9 +89,25 @@ glm::vec3 FindPoint(PbrtParameters& parameters, std::string_view name, const glm
   return {found->floats[0], found->floats[1], found->floats[2]};
 }
 
+struct Line {
+  glm::dvec3 p1, p2;
+};
+Line FindLine(PbrtParameters& parameters) {
+  return {FindPoint(parameters, "p1", {0, 0, 0}), FindPoint(parameters, "p2", {1, 1, 1})};
+}
+
+// Whether a line (a + b z, z) that turns about the z axis is nearest to it at z = 0, that is, a and
+// b are at right angles. pbrt-v3 looks for a r^2 - c z^2 = 1 through points of the line, which is
+// its surface only then.
+bool HasWaistAtOrigin(const Line& line) {
+  const glm::dvec3 d = line.p2 - line.p1;
+  if (d.z == 0) return line.p1.z == 0;
+  const glm::dvec2 b = glm::dvec2(d) / d.z, a = glm::dvec2(line.p1) - line.p1.z * b;
+  return std::abs(glm::dot(a, b)) <= 1e-4 * (glm::dot(a, a) + glm::dot(b, b));
+}
+
 Mesh MakeHyperboloid(PbrtParameters& parameters, bool) {
-  const glm::dvec3 p1 = FindPoint(parameters, "p1", {0, 0, 0}),
-                   p2 = FindPoint(parameters, "p2", {1, 1, 1});
+  const auto [p1, p2] = FindLine(parameters);
   if (p1 == p2) {
     throw InputError(parameters.position, parameters.directive + ": p1 and p2 are the same point");
   }
@@ -145,7 +161,14 @@ PbrtRoundNumbers FindRoundNumbers(std::string_view type, PbrtParameters& paramet
   return round;
 }
 
-Mesh MakeRoundPbrtShape(std::string_view type, PbrtParameters& parameters, bool needs_uvs) {
+Mesh MakeRoundPbrtShape(std::string_view type, PbrtParameters& parameters, bool needs_uvs,
+                        Warnings& warnings) {
+  if (type == "hyperboloid" && !HasWaistAtOrigin(FindLine(parameters))) {
+    AddWarning(warnings, parameters.position,
+               parameters.directive +
+                   ": it is what the line from p1 to p2 sweeps; pbrt-v3 intersects another surface "
+                   "where that is not thinnest at z = 0");
+  }
   return FindRoundShape(type)->make(parameters, needs_uvs);
 }
 

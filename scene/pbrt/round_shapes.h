@@ -22,7 +22,8 @@ struct PbrtRoundNumbers {
 PbrtRoundNumbers FindRoundNumbers(std::string_view type, PbrtParameters& parameters);
 
 // Returns the mesh of a round shape in its own space, with texture coordinates if they are needed.
-// Throws InputError on numbers that make no surface.
-Mesh MakeRoundPbrtShape(std::string_view type, PbrtParameters& parameters, bool needs_uvs);
+// Warns where pbrt has another surface. Throws InputError on numbers that make none.
+Mesh MakeRoundPbrtShape(std::string_view type, PbrtParameters& parameters, bool needs_uvs,
+                        Warnings& warnings);
 
 }  // namespace skywave

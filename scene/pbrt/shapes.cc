@@ -353,7 +353,7 @@ std::optional<PbrtShape> MakePbrtShape(
     if (options.corner_uvs) GiveCornersUvs(mesh);
     shape.faces = mesh.triangles.size();
   } else if (IsRoundPbrtShape(type)) {
-    mesh = MakeRoundPbrtShape(type, parameters, options.needs_uvs);
+    mesh = MakeRoundPbrtShape(type, parameters, options.needs_uvs, warnings);
   } else if (type == "heightfield") {
     mesh = Heightfield(parameters, limit);
     shape.faces = mesh.triangles.size();

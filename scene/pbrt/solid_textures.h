@@ -1,8 +1,6 @@
-// Textures that are functions of the place or of the normal. They are evaluated for each shape that
-// has them, into an image over the shape's (u, v).
+// Textures that are functions of the place or of the normal. solid_baking.h evaluates them.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,17 +10,16 @@
 
 namespace skywave {
 
-// These read the classes checkerboard (dimension 3), directionmix, marble, and noise: fbm, windy
-// and wrinkled. The texture has no value if an operand varies, with a warning.
-PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters,
-                                  const PbrtTextures& same);
-PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
-                             const PbrtTextures& same);
+// These read what chooses between the operands of a checkerboard of dimension 3 (0 or 1) and of a
+// directionmix (0 to 1), and the classes marble, and noise: fbm, windy and wrinkled.
+PbrtTexture ReadSolidChecks(PbrtReader& reader, const PbrtParameters& parameters);
+PbrtTexture ReadDirection(PbrtReader& reader, PbrtParameters& parameters);
 PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters);
 PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std::string& kind);
 
-// Returns what `combine` makes of textures of which one at least varies in space. It has no value,
-// with a warning, if others are images or if it would take more than kMaxPbrtEvaluations.
+// Returns what `combine` makes of textures of which one at least varies in space; others may be
+// images over the (u, v) of the shape. It has no value, with a warning, if it would take more than
+// kMaxPbrtEvaluations.
 PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
                            const std::vector<PbrtTexture>& textures, const CombineTexels& combine);
 
@@ -35,21 +32,5 @@ bool IsPbrtMappingInSpace(std::string_view mapping);
 // is.
 PbrtTexture LayInSpace(PbrtReader& reader, PbrtParameters& parameters, std::string_view mapping,
                        const PbrtTexture& texture);
-
-// The shape for which textures are evaluated.
-struct PbrtSolidShape {
-  const std::string& type;
-  const InputPosition& position;
-  bool fixed_uvs;                          // something else on it depends on its (u, v)
-  std::shared_ptr<const PbrtSolid> alpha;  // null: its alpha does not vary in space
-};
-// Returns the material of one shape, whose mesh is in the world: `material`, which is `named` or a
-// copy of it with alpha, with the images of what varies in space: its alpha, and what does on the
-// material and on those that it is mixed of. Spheres, disks and cylinders keep their (u, v); other
-// shapes, which have triangles, get a square of the image for each (scene/shapes/triangle_atlas.h).
-// Where that cannot be, because there are too many triangles, other textures, or no texels left for
-// the scene, the material gets its defaults, with a warning at the shape.
-std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
-                                 const PbrtSolidShape& shape, Mesh& mesh);
 
 }  // namespace skywave

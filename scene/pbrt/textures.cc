@@ -244,11 +244,16 @@ PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextur
 PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   FindString(parameters, "aamode");  // pbrt-v3's filter
   const int dimension = FindInt(parameters, "dimension").value_or(2);
-  if (dimension == 3) return ReadSolidCheckerboard(reader, parameters, same);
-  if (dimension != 2) {
+  if (dimension != 2 && dimension != 3) {
     Warn(reader, parameters,
          fmt::format("dimension {} is not supported: its users take their default", dimension));
     return {};
+  }
+  const PbrtTexture tex1 = Operand(reader, parameters, same, "tex1", 1),
+                    tex2 = Operand(reader, parameters, same, "tex2", 0);
+  if (dimension == 3) {
+    return Combine(reader, parameters, {tex1, tex2, ReadSolidChecks(reader, parameters)},
+                   MixTexels);
   }
   const auto mapping = MappingOf(reader, parameters);
   if (!mapping) return {};
@@ -257,9 +262,15 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const P
   }
   Texture selector{.image = *reader.checker_image};
   selector.transform = UpwardTextureTransform(0.5f * mapping->scale, 0.5f * mapping->offset);
-  const PbrtTexture tex1 = Operand(reader, parameters, same, "tex1", 1),
-                    tex2 = Operand(reader, parameters, same, "tex2", 0);
   return Combine(reader, parameters, {tex1, tex2, AddTexture(reader, selector, glm::vec3(1))},
+                 MixTexels);
+}
+
+// The first texture is seen where surfaces face the direction.
+PbrtTexture DirectionMix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  return Combine(reader, parameters,
+                 {Operand(reader, parameters, same, "tex2", 1),
+                  Operand(reader, parameters, same, "tex1", 0), ReadDirection(reader, parameters)},
                  MixTexels);
 }
 
@@ -437,7 +448,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   } else if (kind == "uv" && type != "float") {
     texture = Coordinates(reader, parameters);
   } else if (kind == "directionmix") {
-    texture = ReadDirectionMix(reader, parameters, textures);
+    texture = DirectionMix(reader, parameters, textures);
   } else if (kind == "marble" && type != "float") {
     texture = ReadMarble(reader, parameters);
   } else {

@@ -15,7 +15,7 @@
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/round_shapes.h"
 #include "scene/pbrt/shapes.h"
-#include "scene/pbrt/solid_textures.h"
+#include "scene/pbrt/solid_baking.h"
 #include "scene/pbrt/state.h"
 #include "scene/pbrt/surface_maps.h"
 #include "scene/shapes/mesh.h"

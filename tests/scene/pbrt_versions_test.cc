@@ -63,8 +63,10 @@ TEST(PbrtVersions, PatternsInSpaceTakeTheTransformOfTheirVersion) {
     reader.v3 = v3;
     reader.state.to_world = glm::scale(glm::dmat4(1), glm::dvec3(4));
     PbrtParameters parameters{InputPosition::File("t.pbrt"), "Texture", {}};
-    const PbrtTexture checks = ReadSolidCheckerboard(reader, parameters, {});
-    const auto is_first = [&](double x) { return (*checks.solid)({x, 0.01, 0.01}, {}).x == 1; };
+    const PbrtTexture checks = ReadSolidChecks(reader, parameters);
+    const auto is_first = [&](double x) {
+      return (*checks.solid)({.place = {x, 0.01, 0.01}, .normal = {}, .uv = {}}).x == 0;
+    };
     // Cells of 1 / 4, or of 4.
     EXPECT_TRUE(is_first(0.1));
     EXPECT_EQ(is_first(0.3), !v3);

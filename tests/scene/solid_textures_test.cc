@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <string>
 
@@ -195,13 +196,72 @@ TEST(SolidTextures, RaiseSurfaces) {
   }
 }
 
-// What cannot be evaluated is named.
-TEST(SolidTextures, AreNotCombinedWithImages) {
-  const Scene scene = Parse(
-      "Texture \"n\" \"float\" \"fbm\" Texture \"c\" \"float\" \"checkerboard\"\nTexture \"m\" "
-      "\"float\" \"mix\" \"texture tex1\" \"n\" \"texture tex2\" \"c\" Shape \"sphere\"");
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_TRUE(scene.warnings[0].starts_with("t.pbrt:2: ")) << scene.warnings[0];
+// Images lie over the (u, v) of the shape, also where its texels are those of triangles.
+TEST(SolidTextures, AreCombinedWithImages) {
+  const std::string checks =
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 3 \"float vscale\" 2 "
+      "\"rgb tex1\" [.9 .8 .7] \"rgb tex2\" [.1 .2 .3] "
+      "Texture \"s\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 \"texture tex1\" \"c\" "
+      "\"float tex2\" 0 Material \"diffuse\" \"texture reflectance\" \"s\" ";
+  const auto on_sphere = [](const glm::vec3& p) {
+    const double turn = std::atan2(p.y, p.x) / (2 * std::acos(-1.0));
+    return glm::dvec2(turn - std::floor(turn), 1 - std::acos(double(p.z)) / std::acos(-1.0));
+  };
+  const auto on_mesh = [](const glm::vec3& p) { return glm::dvec2(p.x, 0.5 * double(p.y) + 1); };
+  struct Case {
+    std::string shape;
+    std::function<glm::dvec2(const glm::vec3&)> uv;
+  };
+  for (const auto& [shape, uv_of] :
+       {Case{"Shape \"sphere\"", on_sphere},
+        Case{"Shape \"trianglemesh\" \"point3 P\" [-.9 -.9 .3 .9 -.9 .2 .9 .9 .6 -.9 .9 .4] "
+             "\"point2 uv\" [-.9 .55 .9 .55 .9 1.45 -.9 1.45] "
+             "\"integer indices\" [2 0 1 3 0 2]",
+             on_mesh}}) {
+    SCOPED_TRACE(shape);
+    const Scene scene = ParseAll(checks + shape);
+    std::size_t bright = 0, dim = 0, black = 0;
+    for (const Place& place : Places(scene, scene.meshes[0].triangles.size() > 99 ? 2 : 999)) {
+      const auto in_space = IsFirst(place.position, 0.03);
+      const auto on_surface = IsFirst(uv_of(place.position) * glm::dvec2(3, 2), 0.05);
+      if (!in_space || !on_surface) continue;
+      const glm::vec3 expected = !*in_space    ? glm::vec3(0)
+                                 : *on_surface ? glm::vec3(.9f, .8f, .7f)
+                                               : glm::vec3(.1f, .2f, .3f);
+      ++(!*in_space ? black : *on_surface ? bright : dim);
+      ASSERT_LT(glm::length(place.color - expected), 0.02f)
+          << place.position.x << " " << place.position.y << " " << place.position.z;
+    }
+    EXPECT_GT(std::min({bright, dim, black}), 50u);
+  }
+}
+
+// Heights that rise along u, on a triangle whose u is (x + 1) / 2 and whose texels lie askew to it.
+TEST(SolidTextures, RaiseSurfacesWithImages) {
+  const Scene scene = ParseAll(
+      "Texture \"u\" \"float\" \"bilerp\" \"float v00\" 0 \"float v01\" 0 \"float v10\" 1 "
+      "\"float v11\" 1 Texture \"d\" \"float\" \"directionmix\" \"float tex1\" .5 \"float tex2\" 0 "
+      "\"vector3 dir\" [0 0 1] Texture \"h\" \"float\" \"mix\" \"float tex1\" 0 "
+      "\"texture tex2\" \"u\" \"texture amount\" \"d\" "
+      "Material \"diffuse\" \"texture displacement\" \"h\" Shape \"trianglemesh\" "
+      "\"point3 P\" [-.8 -.8 0 .8 -.2 0 .1 .8 0] \"point2 uv\" [.1 .1 .9 .4 .55 .9]");
+  const Geometry geometry(scene, "t.pbrt");
+  const glm::vec3 raised = glm::normalize(glm::vec3(-0.25f, 0, 1));  // half of half of x
+  for (const glm::vec2 b : {glm::vec2(0.3f, 0.3f), {0.6f, 0.2f}, {0.2f, 0.6f}}) {
+    const glm::vec3 bent = BentNormal(geometry, scene.meshes.at(0), 0, b, {0, 0, 1});
+    EXPECT_LT(glm::length(bent - raised), 0.01f) << bent.x << " " << bent.y;
+  }
+}
+
+// pbrt-v3 lets a texture reflect more than it gets: its marble extrapolates.
+TEST(SolidTextures, OfVersion3ThatReflectMoreThanTheyGetAreReported) {
+  const std::string ball =
+      "Texture \"n\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 \"float tex1\" 2\n"
+      "Material \"matte\" \"texture Kd\" \"n\"\nShape \"sphere\"\n";
+  EXPECT_TRUE(Parse(ball).warnings.empty());
+  const std::vector<std::string> v3 = Parse(ball + "WorldEnd").warnings;
+  ASSERT_EQ(v3.size(), 1u);
+  EXPECT_TRUE(v3[0].starts_with("t.pbrt:3: a texture in space reflects more")) << v3[0];
 }
 
 // Each texture of a chain takes twice the evaluations of the one before it, or one more.
