@@ -91,6 +91,7 @@ BmpHeader ReadHeader(const std::string& path, std::string_view bytes, const Read
     const std::size_t room = header.pixels > end ? (header.pixels - end) / entry : 0;
     const std::size_t count = std::min({used > 0 ? std::size_t(used) : most, most, room});
     ByteCursor colors(path, bytes, std::min(end, bytes.size()));
+    if (count == 0) colors.Fail("a BMP of 8 bits or less has no palette");
     for (std::size_t i = 0; i < count; ++i) {
       const std::string_view color = colors.Take(entry, "the palette of a BMP");
       header.palette.push_back(

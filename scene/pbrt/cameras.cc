@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/lens_system.h"
+#include "scene/pbrt/lens_file.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -75,50 +74,6 @@ void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   }
 }
 
-// Reads the numbers of a lens: lines of radius of curvature, thickness, index of refraction and
-// diameter of each interface, from the scene to the film [mm], and comments after "#".
-std::vector<LensInterface> ParseLens(const std::string& text, const std::string& path) {
-  constexpr double kMeter = 1e-3;
-  std::vector<double> numbers;
-  std::istringstream lines(text);
-  std::size_t line = 0;
-  for (std::string row; std::getline(lines, row);) {
-    ++line;
-    std::istringstream words(row.substr(0, row.find('#')));
-    for (std::string word; words >> word;) {
-      double number = 0;
-      const char* const end = word.data() + word.size();
-      const auto [stop, error] = std::from_chars(word.data(), end, number);
-      if (error != std::errc() || stop != end || !std::isfinite(number)) {
-        throw InputError(InputPosition::Line(path, line),
-                         fmt::format("a lens has numbers, not \"{}\"", word));
-      }
-      numbers.push_back(number);
-    }
-  }
-  const auto refuse = [&](const std::string& why) {
-    throw InputError(InputPosition::File(path), why);
-  };
-  if (numbers.empty() || numbers.size() % 4 != 0) {
-    refuse(
-        fmt::format("a lens has four numbers for each interface: radius, thickness, index and "
-                    "diameter; these are {}",
-                    numbers.size()));
-  }
-  std::vector<LensInterface> lens;
-  for (std::size_t i = 0; i < numbers.size(); i += 4) {
-    const double* const n = &numbers[i];
-    if (!(n[1] >= 0 && n[2] >= 0 && n[3] > 0) || (n[0] != 0 && n[3] > 2 * std::abs(n[0]))) {
-      refuse(
-          fmt::format("interface {} of the lens has radius {}, thickness {}, index {} and "
-                      "diameter {}, which make none",
-                      i / 4 + 1, n[0], n[1], n[2], n[3]));
-    }
-    lens.push_back({kMeter * n[0], kMeter * n[1], n[2], kMeter * n[3] / 2});
-  }
-  return lens;
-}
-
 // Reads the lens of a realistic camera; nothing, with a warning, if its file is missing.
 std::optional<PbrtLens> ReadLensOfCamera(PbrtReader& reader, PbrtParameters& parameters) {
   PbrtLens lens = {.position = parameters.position};
@@ -146,7 +101,7 @@ std::optional<PbrtLens> ReadLensOfCamera(PbrtReader& reader, PbrtParameters& par
   }
   try {
     const std::string path = ResolvePbrtPath(reader, *name, parameters.position);
-    lens.design.interfaces = ParseLens(ReadFile(path), path);
+    lens.design.interfaces = ParsePbrtLens(ReadFile(path), path);
   } catch (const InputError& error) {
     AddMissing(reader.warnings, parameters.position, "Camera \"realistic\"", error,
                "rendered as perspective");

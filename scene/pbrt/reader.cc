@@ -38,7 +38,15 @@ void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
     throw InputError(position, "Import has to come after WorldBegin");
   }
   const std::string name = ExpectString(source, "the name of a file");
-  const std::string path = ResolvePbrtPath(reader, name, position);
+  // A part that is missing leaves the rest, as in pbrt-v3.
+  std::string path, text;
+  try {
+    path = ResolvePbrtPath(reader, name, position);
+    text = Gunzip(ReadFile(path), path);
+  } catch (const InputError& error) {
+    AddMissing(reader.warnings, position, word.text, error, "left out");
+    return;
+  }
   for (const auto& open : reader.sources) {
     std::error_code ignored;
     if (fs::equivalent(open->path, path, ignored)) {
@@ -51,12 +59,6 @@ void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
   }
   if (++reader.includes > kMaxPbrtIncludes) {
     throw InputError(position, fmt::format("more than {} includes", kMaxPbrtIncludes));
-  }
-  std::string text;
-  try {
-    text = Gunzip(ReadFile(path), path);
-  } catch (const InputError& error) {
-    throw InputError(position, error.what(), error.exit_code());
   }
   if (imported) OpenPbrtScope(reader, source, word);
   reader.sources.push_back(MakeSource(reader, path, std::move(text)));

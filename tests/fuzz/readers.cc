@@ -22,6 +22,7 @@
 #include "scene/materials/spectrum.h"
 #include "scene/obj/mtl.h"
 #include "scene/obj/reader.h"
+#include "scene/pbrt/lens_file.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
 
@@ -42,6 +43,13 @@ void Spd(std::string_view bytes) {
   const auto pairs = ParseSpectrumFile(std::string(bytes), Path(".spd"));
   RgbOfReflectance(pairs);
   RgbOfEmission(pairs);
+}
+void Lens(std::string_view bytes) {
+  LensDesign design;
+  design.interfaces = ParsePbrtLens(std::string(bytes), Path(".dat"));
+  design.film_diagonal = 0.035;
+  FocusLens(design, 2);
+  if (design.interfaces.size() < 8) LensSystem lens(design);
 }
 void Ply(std::string_view bytes) { ParsePly(bytes, Path(".ply")); }
 void Gzip(std::string_view bytes) { Gunzip(std::string(bytes), Path(".gz"), 1 << 20); }
@@ -135,11 +143,11 @@ void Bench(std::string_view bytes) {
 void Report(std::string_view bytes) { ResultsInJson(std::string(bytes)); }
 
 constexpr FuzzedReader kReaders[] = {
-    {"pbrt", Pbrt},   {"spd", Spd},       {"ply", Ply},     {"gzip", Gzip},   {"obj", Obj},
-    {"mtl", Mtl},     {"gltf", Gltf},     {"hdr", Picture}, {"pfm", Picture}, {"exr", Picture},
-    {"png", Picture}, {"jpeg", Picture},  {"tga", Tga},     {"bmp", Picture}, {"gif", Picture},
-    {"qoi", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},     {"film", FilmParts},
-    {"bench", Bench}, {"report", Report},
+    {"pbrt", Pbrt},      {"lens", Lens},   {"spd", Spd},       {"ply", Ply},     {"gzip", Gzip},
+    {"obj", Obj},        {"mtl", Mtl},     {"gltf", Gltf},     {"hdr", Picture}, {"pfm", Picture},
+    {"exr", Picture},    {"png", Picture}, {"jpeg", Picture},  {"tga", Tga},     {"bmp", Picture},
+    {"gif", Picture},    {"qoi", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},
+    {"film", FilmParts}, {"bench", Bench}, {"report", Report},
 };
 
 }  // namespace

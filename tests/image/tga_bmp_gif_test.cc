@@ -277,6 +277,8 @@ TEST(Bmp, PalettesOfAllSizesAreRead) {
   // A palette of fewer colours than the pixels name: black.
   EXPECT_EQ(RedOf(BmpWith(40, 3, 1, 8, 0, 2, RedPalette(2), std::string("\1\0\7\0", 4))),
             (std::vector<int>{20, 10, 0}));
+  // No colour at all is no picture: everything would be black.
+  EXPECT_THROW(RedOf(BmpWith(40, 3, 1, 8, 0, 0, "", std::string("\1\0\7\0", 4))), InputError);
   // The header of OS/2 has short sizes and entries of three bytes.
   const std::string os2 = U32(12) + U16(3) + U16(1) + U16(1) + U16(4) + RedPalette(16, true);
   EXPECT_EQ(RedOf("BM" + U32(0) + U32(0) + U32(14 + int(os2.size())) + os2 + four_bits),

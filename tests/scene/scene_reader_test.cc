@@ -266,6 +266,22 @@ TEST(Files, IncludesAndMapsAreLookedUpInTheFolderOfTheirFile) {
 
 // Parameters may go on in the file that includes the one with their directive, as in the cloud of
 // pbrt-v3's scenes.
+// As in pbrt-v3; --missing refuse and --strict do not.
+TEST(Files, APartThatIsMissingLeavesTheRest) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write(
+      "main.pbrt", "WorldBegin\nInclude \"none.pbrt\"\nShape \"sphere\"\nInclude \"two.pbrt\"\n");
+  const Scene scene = ReadScene(path);
+  EXPECT_EQ(scene.meshes.size() + scene.instances.size(), 1u);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("main.pbrt:2: Include: there are no files \"none.pbrt\", "
+                                   "\"two.pbrt\": left out"),
+            std::string::npos)
+      << scene.warnings[0];
+  EXPECT_THROW(ReadScene(path, {.strict = true}), InputError);
+  EXPECT_THROW(ReadScene(path, {.missing = MissingFiles::kRefuse}), InputError);
+}
+
 TEST(Files, ParametersGoOnAfterAnInclude) {
   const TemporaryFolder folder;
   folder.Write("ball.pbrt", "Translate 1 0 0 Shape \"sphere\"  # and nothing after it\n");
