@@ -69,6 +69,36 @@ Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
   return FromRgba(columns, rows, rgba.get(), encoding);
 }
 
+// stb_image reads palettes that begin at colour 0, of pictures that use them. Returns the same
+// picture so: without a palette that nothing uses, and with black for the colours before the first.
+std::string WithPlainPalette(const std::string& path, std::string_view bytes) {
+  constexpr std::size_t kHeader = 18, kFirst = 3;  // size, and offset of what tells the palette
+  constexpr std::uint8_t kIndexed = 1, kIndexedRuns = 9;
+  ByteCursor cursor(path, bytes);
+  const std::size_t name = cursor.U8("the header");
+  const bool has_palette = cursor.U8("the header") == 1;
+  const std::uint8_t type = cursor.U8("the header");
+  const bool uses_it = type == kIndexed || type == kIndexedRuns;
+  const std::size_t first = cursor.U16("the header"), count = cursor.U16("the header"),
+                    entry = (std::size_t{cursor.U8("the header")} + 7) / 8;
+  std::string plain(bytes);
+  if (!has_palette || (uses_it && first == 0)) return plain;
+  const std::size_t begin = kHeader + name;
+  if (bytes.size() < begin + count * entry) cursor.Fail("the file ends within the palette");
+  if (!uses_it) {
+    plain.erase(begin, count * entry);
+    plain[1] = 0;
+    plain.replace(kFirst, 5, 5, '\0');
+    return plain;
+  }
+  if (first + count > 0xFFFF) cursor.Fail("a palette of more than 65535 colours");
+  plain.insert(begin, first * entry, '\0');
+  const std::size_t all = first + count;
+  plain[kFirst] = plain[kFirst + 1] = 0;
+  plain[kFirst + 2] = char(all & 0xFF), plain[kFirst + 3] = char(all >> 8);
+  return plain;
+}
+
 }  // namespace
 
 Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
@@ -80,7 +110,8 @@ Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encodi
   const std::int64_t width = cursor.U16("the header"), height = cursor.U16("the header");
   cursor.Take(1, "the header");
   const bool from_right = (cursor.U8("the header") & kFromRight) != 0;
-  Image image = DecodeByStb("TGA", width, height, path, bytes, encoding, limits);
+  const std::string plain = WithPlainPalette(path, bytes);
+  Image image = DecodeByStb("TGA", width, height, path, plain, encoding, limits);
   for (int y = 0; from_right && y < image.height; ++y) {  // stb_image takes them from the left
     for (int x = 0; x < image.width / 2; ++x) {
       std::swap_ranges(image.Pixel(x, y), image.Pixel(x, y) + 3,

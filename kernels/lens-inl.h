@@ -5,7 +5,7 @@
 #undef SKYWAVE_KERNELS_LENS_INL_H_
 #else
 #define SKYWAVE_KERNELS_LENS_INL_H_
-#endif
+#endif  // per-target include guard
 
 #include "kernels/lens.h"
 #include "kernels/simd/records-inl.h"
@@ -86,4 +86,4 @@ HWY_INLINE LensRay ToPupil(const LensView& lens, VF x, VF y, VF u, VF v, VF& thr
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
 
-#endif
+#endif  // per-target include guard

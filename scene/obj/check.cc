@@ -27,7 +27,23 @@ struct IndexedTable {
 
 struct Tables {
   IndexedTable positions{"vertex"}, uvs{"texture vertex"}, normals{"normal"};
+  std::unordered_set<std::int64_t> lost;  // positions that are no place, counted from 1
 };
+
+// Makes numbers 0 that are not finite: "nan", "inf", what a float cannot hold, and "1.#QNAN" as old
+// programs of Windows write it. Returns whether there was any.
+bool ReplaceNotFinite(ObjLines& lines, std::vector<std::string_view>& words) {
+  bool any = false;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (!IsObjNumberNotFinite(words[i])) continue;
+    any = true;
+    std::string zero = "0";
+    zero.resize(words[i].size(), ' ');
+    lines.text.replace(std::size_t(words[i].data() - lines.text.data()), zero.size(), zero);
+    words[i] = words[i].substr(0, 1);
+  }
+  return any;
+}
 
 // Returns what is wrong with one index of a corner. Positive indices may refer to later elements,
 // so they are compared at the end.
@@ -153,6 +169,37 @@ bool IsBeyond(std::string_view text, const IndexedTable& table) {
   return table.greatest > 0 && index > table.count;
 }
 
+// Returns the number of the vertex that an index means, with `count` vertices before it.
+std::int64_t VertexOf(std::string_view text, std::int64_t count) {
+  std::int64_t index = 0;
+  std::from_chars(text.data(), text.data() + text.size(), index);
+  return index > 0 ? index : count + 1 + index;
+}
+
+// Leaves out all faces, points and lines of vertices that are no place; those are warned of
+// already.
+void LeaveOutLost(ObjLines& lines, const Tables& tables, ObjStatements& statements) {
+  std::vector<std::string_view> words;
+  std::int64_t count = 0;
+  lines.next = lines.joins_read = 0, lines.next_line = 1;
+  while (NextStatement(lines, words)) {
+    if (words[0] == "v") ++count;
+    if (words[0] != "f") continue;
+    const bool lost = std::any_of(words.begin() + 1, words.end(), [&](std::string_view word) {
+      return tables.lost.contains(VertexOf(Corner(word).position, count));
+    });
+    if (!lost) continue;
+    BlankOut(lines, WholeStatement(words));
+    --statements.faces;
+  }
+  const auto lost = [&](std::uint32_t vertex) {
+    return tables.lost.contains(std::int64_t{vertex} + 1);
+  };
+  std::erase_if(statements.parts.points, lost);
+  std::erase_if(statements.parts.lines,
+                [&](const auto& line) { return lost(line.x) || lost(line.y); });
+}
+
 // Leaves out all faces, points and lines of elements that the file does not have.
 void LeaveOutBeyond(ObjLines& lines, const Tables& tables, ObjStatements& statements,
                     Warnings& warnings) {
@@ -190,9 +237,19 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
   std::vector<std::string_view> words;
   while (NextStatement(lines, words)) {
     const std::string_view word = words[0];
+    const bool has_numbers = word == "v" || word == "vn" || word == "vt";
+    const bool not_finite = has_numbers && ReplaceNotFinite(lines, words);
+    if (not_finite) {
+      const char* const what = word == "v"    ? "its faces are left out"
+                               : word == "vn" ? "the normal is that of its triangles"
+                                              : "0 is taken";
+      AddWarning(warnings, PositionOf(lines),
+                 fmt::format("'{}' with a number that is not finite: {}", word, what));
+    }
     if (word == "v") {
       CheckObjNumbers(lines, words, 3, 7);  // optionally followed by a weight, a colour or both
       ++tables.positions.count;
+      if (not_finite) tables.lost.insert(tables.positions.count);
     } else if (word == "f") {
       if (CheckFace(lines, words, tables, warnings)) ++statements.faces;
       for (const std::string_view corner : words) rewrite = rewrite || corner.ends_with('/');
@@ -232,6 +289,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
     ForgetUnless(*table, lines, warnings);
   }
   if (rewrite) RewriteCorners(lines, tables, lines.text);
+  if (!tables.lost.empty()) LeaveOutLost(lines, tables, statements);
   const auto beyond = [](const IndexedTable& table) { return table.greatest > table.count; };
   if (beyond(tables.positions) || beyond(tables.uvs) || beyond(tables.normals)) {
     LeaveOutBeyond(lines, tables, statements, warnings);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "base/files.h"
 
@@ -32,6 +34,20 @@ void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& word
       least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
   throw InputError(PositionOf(lines),
                    fmt::format("'{}' takes {} numbers, not {}", words[0], wanted, count));
+}
+
+// Returns a number, which may be infinite, or nothing if the word is none.
+std::optional<float> NumberOf(std::string_view word) {
+  std::string_view digits = word;
+  if (digits.starts_with('+')) digits.remove_prefix(1);
+  double value = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) {
+    return std::nullopt;
+  }
+  if (error == std::errc()) return static_cast<float>(value);
+  const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
+  return tiny ? 0 : std::numeric_limits<float>::infinity();
 }
 
 }  // namespace
@@ -94,18 +110,23 @@ InputPosition PositionOf(const ObjLines& lines) {
   return InputPosition::Line(lines.path, lines.line);
 }
 
+bool IsObjNumberNotFinite(std::string_view word) {
+  const std::string_view unsigned_word =
+      word.substr(std::min(word.find_first_not_of("+-"), word.size()));
+  if (unsigned_word.starts_with("1.#")) return true;
+  const std::optional<float> number = NumberOf(word);
+  return number && !std::isfinite(*number);
+}
+
 float ParseObjNumber(const ObjLines& lines, std::string_view word) {
-  std::string_view digits = word;
-  if (digits.starts_with('+')) digits.remove_prefix(1);
-  double value = 0;
-  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) {
+  const std::optional<float> number = NumberOf(word);
+  if (!number) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is not a number", word.substr(0, 40)));
   }
-  if (error != std::errc() || !std::isfinite(static_cast<float>(value))) {
+  if (!std::isfinite(*number)) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is not finite", word.substr(0, 40)));
   }
-  return static_cast<float>(value);
+  return *number;
 }
 
 std::vector<float> ParseObjNumbers(const ObjLines& lines,

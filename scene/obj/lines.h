@@ -36,7 +36,9 @@ std::string RestOfStatement(const std::vector<std::string_view>& words);
 
 InputPosition PositionOf(const ObjLines& lines);
 
-// Returns a finite float; throws InputError otherwise.
+// Returns whether a word is a number that is not finite: "nan", "-inf", "1e39" or "1.#QNAN".
+bool IsObjNumberNotFinite(std::string_view word);
+// Returns a finite float, 0 for one that is too small; throws InputError otherwise.
 float ParseObjNumber(const ObjLines& lines, std::string_view word);
 
 // Returns words[1], words[2], ... as numbers. Throws InputError unless there are `least` to `most`

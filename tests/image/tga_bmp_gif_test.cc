@@ -221,6 +221,28 @@ TEST(Tga, IsRecognisedByItsName) {
 }
 
 // The pixels of a row may come from the right, which one bit of the header says.
+// A palette may begin at another colour than 0, and stand beside pixels that do not use it.
+TEST(Tga, PalettesMayBeginElsewhereOrBeUnused) {
+  const std::string colors("\1\2\12\3\4\24\5\6\36", 9);  // red is the last of each
+  const auto with_palette = [&](int type, int first, int bits, const std::string& pixels) {
+    return std::string{'\2', '\1', char(type)} + U16(first) + U16(3) + char(24) + U32(0) + U16(3) +
+           U16(1) + char(bits) + char(0x20) + "id" + colors + pixels;
+  };
+  const auto red_of = [](const std::string& file) {
+    const Image image = DecodeTexture("a.tga", file, Encoding::kLinear);
+    std::vector<int> red;
+    for (int x = 0; x < image.width; ++x)
+      red.push_back(int(std::lround(255 * image.Pixel(x, 0)[0])));
+    return red;
+  };
+  const std::vector<int> expected = {30, 10, 20};
+  EXPECT_EQ(red_of(with_palette(1, 0, 8, std::string("\2\0\1", 3))), expected);
+  EXPECT_EQ(red_of(with_palette(1, 7, 8, std::string("\11\7\10", 3))), expected);
+  EXPECT_EQ(red_of(with_palette(2, 7, 24, std::string("\0\0\36\0\0\12\0\0\24", 9))), expected);
+  EXPECT_THROW(red_of(with_palette(1, 0xFFFE, 8, std::string("\2\0\1", 3))), InputError);
+  EXPECT_THROW(red_of(with_palette(2, 0, 24, "").substr(0, 24)), InputError);
+}
+
 TEST(Tga, RowsFromTheRightAreTurned) {
   const Pixels picture = Picture(7, 3);
   std::string tga = Tga(picture, TgaType::kColor, 24, true);

@@ -59,15 +59,10 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
   std::string polygon = "f";
   for (std::size_t i = 0; i <= kMaxObjCorners; ++i) polygon += " 1";
   const BadText cases[] = {
-      {"v 0 0 0\nv 1 nan 0\n", "t.obj:2", "'nan' is not finite"},
-      {"v 0 0 0\nv 1 inf 0\n", "t.obj:2", "not finite"},
-      {"v 0 0 1e39\n", "t.obj:1", "not finite"},
-      {"v 0 0 1e999\n", "t.obj:1", "not finite"},
       {"v 0 0\n", "t.obj:1", "3 to 7 numbers, not 2"},
       {"v 0 0 0x\n", "t.obj:1", "'0x' is not a number"},
       {"v\n", "t.obj:1", "3 to 7 numbers, not 0"},
       {"vn 0 0\n", "t.obj:1", "takes 3 numbers"},
-      {"vn 0 nan 0\n", "t.obj:1", "not finite"},
       {"vt a\n", "t.obj:1", "not a number"},
       {kTriangle + "f 1/1/1/1 2 3\n", "t.obj:4", "is no index"},
       {kTriangle + "f 1 2 x\n", "t.obj:4", "'x' is no index"},
@@ -103,6 +98,34 @@ TEST(BadObj, WhatNamesMissingElementsIsLeftOut) {
     ASSERT_FALSE(scene.meshes.empty());
     EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
   }
+}
+
+// One vertex that is no place costs its faces, whichever way they name it.
+TEST(BadObj, FacesOfVerticesThatAreNotFiniteAreLeftOut) {
+  for (const char* const odd : {"nan", "-inf", "1e39", "1e999", "-1.#IND00", "1.#QNAN"}) {
+    SCOPED_TRACE(odd);
+    const Scene scene = ParseObj("f 1 2 4\n" + kTriangle + "v 1 " + odd +
+                                     " 0\nf 1 2 3\nf 1 2 -1\nf 1 3 4\nv 1 1 0\nf 1 2 5\np 4\np 5\n",
+                                 "t.obj", {.point_size = 0.1f});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_EQ(scene.warnings[0],
+              "t.obj:5: 'v' with a number that is not finite: its faces are left out");
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes)
+      triangles += mesh.triangles.size() <= 2 ? mesh.triangles.size() : 0;
+    EXPECT_EQ(triangles, 2u) << "of corners 1 2 3 and 1 2 5";
+  }
+  // A float that is too small is 0.
+  EXPECT_TRUE(ParseObj("v 0 0 1e-999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "t.obj").warnings.empty());
+}
+
+TEST(BadObj, NormalsThatAreNotFiniteAreThoseOfTheirTriangles) {
+  const Scene scene = ParseObj(kTriangle + "vn 0 nan 1\nvt inf 0\nf 1/1/1 2/1/1 3/1/1\n", "t.obj");
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_EQ(scene.warnings[0],
+            "t.obj:4: 'vn' with a number that is not finite: the normal is that of its triangles");
+  EXPECT_EQ(scene.warnings[1], "t.obj:5: 'vt' with a number that is not finite: 0 is taken");
+  EXPECT_EQ(scene.meshes.at(0).normals.at(0), glm::vec3(0, 0, 1));
 }
 
 TEST(BadObj, BrokenLibrariesAreRefused) {
