@@ -27,14 +27,27 @@ struct DenoiseFlags {
   bool quiet = false;
 };
 
-// Returns the notes of a picture that is to be denoised.
-std::vector<std::string> CheckNoisy(const std::string& path, const ReadLimits& limits) {
+constexpr char kAlpha[] = "A";
+
+// Returns the names of the layers that are read of a picture: those of the denoiser, and its alpha.
+std::vector<std::string> LayersOfNoisy(const std::string& path, const ReadLimits& limits) {
   const std::vector<std::string> names = ReadLayerNames(path, limits);
   if (std::any_of(names.begin(), names.end(), IsOfDenoiser)) {
     throw InputError(InputPosition::File(path), "this picture was denoised already");
   }
-  if (std::find(names.begin(), names.end(), "A") == names.end()) return {};
-  return {path + ": its alpha is left out; `render --denoise` keeps it"};
+  std::vector<std::string> wanted = DenoiserChannels();
+  if (std::find(names.begin(), names.end(), kAlpha) != names.end()) wanted.emplace_back(kAlpha);
+  return wanted;
+}
+
+// Moves the alpha out of the layers; nothing where there is none.
+std::vector<float> TakeAlpha(std::vector<NamedChannel>& layers) {
+  const auto found = std::find_if(layers.begin(), layers.end(),
+                                  [](const NamedChannel& layer) { return layer.name == kAlpha; });
+  if (found == layers.end()) return {};
+  std::vector<float> alpha = std::move(found->values);
+  layers.erase(found);
+  return alpha;
 }
 
 int DenoiseMain(const DenoiseFlags& flags) {
@@ -43,19 +56,23 @@ int DenoiseMain(const DenoiseFlags& flags) {
                      "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
-  std::vector<std::string> notes = CheckNoisy(flags.input, flags.limits);
+  const std::vector<std::string> layers = LayersOfNoisy(flags.input, flags.limits);
   const Denoiser by = ResolveDenoiser(flags.by);
-  const LayeredImage noisy = ReadOwnColors(flags.input, DenoiserChannels(), flags.limits);
+  LayeredImage noisy = ReadOwnColors(flags.input, layers, flags.limits);
+  const Metadata metadata = ReadExrMetadata(flags.input, flags.limits);
+  std::vector<float> alpha = TakeAlpha(noisy.layers);
+  const bool straight = IsStraight(metadata);
+  if (straight) Premultiply(alpha, noisy.image);
   Denoised clean = ArenaOf(flags.threads).execute([&] {
     return Denoise(by, flags.input, noisy.image, noisy.layers);
   });
-  Picture picture = {
-      .image = std::move(clean.image),
-      .layers = noisy.layers,
-      .notes = std::move(notes),
-      .metadata = OfDerived(ReadExrMetadata(flags.input, flags.limits), "noisyCommand"),
-      .placement = noisy.placement,
-      .space = noisy.space};
+  Picture picture = {.image = std::move(clean.image),
+                     .alpha = std::move(alpha),
+                     .layers = noisy.layers,
+                     .metadata = OfDerived(metadata, "noisyCommand"),
+                     .placement = noisy.placement,
+                     .space = noisy.space};
+  if (straight) picture.format.alpha = AlphaForm::kStraight;
   for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
   picture.metadata.emplace_back("denoiser", ToString(by));
   if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);

@@ -401,6 +401,8 @@ std::vector<OptionOf<ExrFormat>> ExrFormatOptions() {
 
 namespace {
 
+constexpr char kAlphaForm[] = "alphaForm";  // in headers of pictures that are straight
+
 // Returns the colours of the picture divided by its alpha, where it has any.
 Image Straight(const Picture& picture) {
   Image image = picture.image;
@@ -422,12 +424,27 @@ void WriteExr(const std::string& path, const Picture& picture,
   }
   std::vector<NamedChannel> channels = picture.layers;
   channels.push_back({"A", picture.alpha});
+  Metadata metadata = picture.metadata;
+  std::erase_if(metadata, [](const auto& text) { return text.first == kAlphaForm; });
   const bool straight = format.alpha == AlphaForm::kStraight;
-  WriteExr(path, straight ? Straight(picture) : picture.image, picture.metadata, channels, format,
+  if (straight) metadata.emplace_back(kAlphaForm, ToString(format.alpha));
+  WriteExr(path, straight ? Straight(picture) : picture.image, metadata, channels, format,
            before_rename);
 }
 
 }  // namespace
+
+bool IsStraight(const Metadata& metadata) {
+  const std::pair said(std::string(kAlphaForm), std::string(ToString(AlphaForm::kStraight)));
+  return std::find(metadata.begin(), metadata.end(), said) != metadata.end();
+}
+
+void Premultiply(std::span<const float> alpha, Image& image) {
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    if (alpha[i] <= 0) continue;
+    for (std::size_t c = 0; c < 3; ++c) image.rgb[3 * i + c] *= alpha[i];
+  }
+}
 
 void WriteExr(const std::string& path, const Picture& picture) { WriteExr(path, picture, {}); }
 

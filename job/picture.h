@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -136,6 +137,11 @@ void CheckFormat(const ExrFormat& format, AovSet layers);
 
 // Returns the options compression and half.
 std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
+
+// Whether the header of an EXR says that its colours are not multiplied by its alpha.
+bool IsStraight(const Metadata& metadata);
+// Multiplies colours by their alpha, as those of every Picture are; none where that is 0.
+void Premultiply(std::span<const float> alpha, Image& image);
 
 // Write the files of a picture. A file that exists is replaced.
 void WriteExr(const std::string& path, const Picture& picture);

@@ -70,6 +70,7 @@ Picture PictureOfExr(const std::string& path, const ReadLimits& limits) {
   const auto alpha = std::find_if(picture.layers.begin(), picture.layers.end(),
                                   [](const NamedChannel& layer) { return layer.name == "A"; });
   if (alpha != picture.layers.end()) picture.alpha = std::move(alpha->values);
+  if (IsStraight(picture.metadata)) Premultiply(picture.alpha, picture.image);
   return picture;
 }
 
@@ -107,7 +108,7 @@ void CheckSum(const std::string& path, const LitPicture& lit) {
   if (difference <= kRounding * level) return;
   throw InputError(InputPosition::File(path),
                    "its groups of lights do not add up to the picture: it was denoised, has "
-                   "catchers, or is not premultiplied");
+                   "catchers, or another program has divided it by its alpha");
 }
 
 }  // namespace

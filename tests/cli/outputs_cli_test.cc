@@ -148,10 +148,22 @@ TEST_F(Outputs, CatchersGiveBothFilesAlpha) {
 
   const std::string clear = "render spheres --background transparent --size 40x30 --spp 16 -q ";
   ASSERT_EQ(Run(clear + "--aovs denoiser -o noisy.exr").exit_code, 0);
-  const Result denoised = Run("denoise noisy.exr -o clean.exr");
-  EXPECT_NE(denoised.err.find("its alpha is left out"), std::string::npos) << denoised.err;
+  ASSERT_EQ(Run("denoise noisy.exr -q -o clean.exr").exit_code, 0);
   ASSERT_EQ(Run(clear + "--denoise -o clear.exr").exit_code, 0);
-  EXPECT_TRUE(IsRgba(Path("clear.exr")));
+  const LayeredImage clean = ReadLayeredImage(Path("clean.exr"), {"A"});
+  EXPECT_EQ(clean.image.rgb, ReadImage(Path("clear.exr")).rgb);
+  EXPECT_EQ(clean.layers[0].values, ReadLayeredImage(Path("clear.exr"), {"A"}).layers[0].values);
+  EXPECT_TRUE(Bytes("clean.png") == Bytes("clear.png"));
+
+  ASSERT_EQ(Run(clear + "--aovs denoiser --alpha straight -o divided.exr").exit_code, 0);
+  ASSERT_EQ(Run("denoise divided.exr -q -o divided_clean.exr").exit_code, 0);
+  const LayeredImage divided = ReadLayeredImage(Path("divided_clean.exr"), {"A"});
+  for (std::size_t i = 0; i < divided.image.rgb.size(); ++i) {
+    const float share = clean.layers[0].values[i / 3];
+    ASSERT_EQ(divided.layers[0].values[i / 3], share);
+    ASSERT_NEAR(divided.image.rgb[i] * (share > 0 ? share : 1), clean.image.rgb[i],
+                1e-4 * (0.1 + clean.image.rgb[i]));
+  }
 
   ASSERT_EQ(Run(picture + "--background map -o map.exr").exit_code, 0);
   EXPECT_FALSE(IsRgba(Path("map.exr")) || IsRgba(Path("map.png")));

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "image/image.h"
+#include "job/picture.h"
 #include "tests/support/program.h"
 
 namespace skywave {
@@ -70,6 +71,25 @@ TEST_F(RelightCli, GivesTheLightsOtherWeights) {
     EXPECT_FALSE(name.starts_with("cryptomatte")) << name;
   }
   EXPECT_TRUE(told);
+}
+
+// The EXR says that its colours are divided by alpha, so they are multiplied first.
+TEST_F(RelightCli, TakesPicturesWithStraightAlpha) {
+  const std::string render =
+      "render lamps --background transparent --aovs lights --size 40x30 --spp 4 -q ";
+  ASSERT_EQ(Run(render + "-o plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(render + "--alpha straight -o divided.exr").exit_code, 0);
+  for (const std::string name : {"plain", "divided"}) {
+    const Result result =
+        Run("relight " + name + ".exr --weights environment=0.5 -q -o " + name + "_lit.exr");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  const Image plain = ReadImage(Path("plain_lit.exr")),
+              divided = ReadImage(Path("divided_lit.exr"));
+  for (std::size_t i = 0; i < plain.rgb.size(); ++i) {
+    ASSERT_NEAR(divided.rgb[i], plain.rgb[i], 1e-4 * (0.1 + plain.rgb[i]));
+  }
+  EXPECT_FALSE(IsStraight(ReadExrMetadata(Path("divided_lit.exr"))));
 }
 
 TEST_F(RelightCli, MakesAPictureOfEachRowOfATable) {
