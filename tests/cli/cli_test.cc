@@ -133,7 +133,7 @@ TEST_F(Cli, BadInputIsReportedAndLeavesNoFile) {
       {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
       {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
       {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "indices beyond"}},
-      {"render nan.obj --env map.exr", kExitBadInput, {"nan.obj:4: ", "nan"}},
+      {"render nan.obj --env map.exr --strict", kExitBadInput, {"nan.obj:4: ", "not finite"}},
       {"render library.obj --env map.exr --strict",
        kExitBadInput,
        {"library.obj:1: ", "nosuch.mtl"}},
