@@ -40,16 +40,6 @@ std::vector<std::string> LayersOfNoisy(const std::string& path, const ReadLimits
   return wanted;
 }
 
-// Moves the alpha out of the layers; nothing where there is none.
-std::vector<float> TakeAlpha(std::vector<NamedChannel>& layers) {
-  const auto found = std::find_if(layers.begin(), layers.end(),
-                                  [](const NamedChannel& layer) { return layer.name == kAlpha; });
-  if (found == layers.end()) return {};
-  std::vector<float> alpha = std::move(found->values);
-  layers.erase(found);
-  return alpha;
-}
-
 int DenoiseMain(const DenoiseFlags& flags) {
   if (std::filesystem::path(flags.output).extension() != ".exr") {
     throw InputError(InputPosition::File("--output " + flags.output),
@@ -60,7 +50,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
   const Denoiser by = ResolveDenoiser(flags.by);
   LayeredImage noisy = ReadOwnColors(flags.input, layers, flags.limits);
   const Metadata metadata = ReadExrMetadata(flags.input, flags.limits);
-  std::vector<float> alpha = TakeAlpha(noisy.layers);
+  std::vector<float> alpha = TakeLayer(kAlpha, noisy.layers);
   const bool straight = IsStraight(metadata);
   if (straight) Premultiply(alpha, noisy.image);
   Denoised clean = ArenaOf(flags.threads).execute([&] {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -71,7 +72,8 @@ Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
 
 // stb_image reads palettes that begin at colour 0, of pictures that use them. Returns the same
 // picture so: without a palette that nothing uses, and with black for the colours before the first.
-std::string WithPlainPalette(const std::string& path, std::string_view bytes) {
+// Nothing if it is so already.
+std::optional<std::string> WithPlainPalette(const std::string& path, std::string_view bytes) {
   constexpr std::size_t kHeader = 18, kFirst = 3;  // size, and offset of what tells the palette
   constexpr std::uint8_t kIndexed = 1, kIndexedRuns = 9;
   ByteCursor cursor(path, bytes);
@@ -81,8 +83,8 @@ std::string WithPlainPalette(const std::string& path, std::string_view bytes) {
   const bool uses_it = type == kIndexed || type == kIndexedRuns;
   const std::size_t first = cursor.U16("the header"), count = cursor.U16("the header"),
                     entry = (std::size_t{cursor.U8("the header")} + 7) / 8;
+  if (!has_palette || (uses_it && first == 0)) return std::nullopt;
   std::string plain(bytes);
-  if (!has_palette || (uses_it && first == 0)) return plain;
   const std::size_t begin = kHeader + name;
   if (bytes.size() < begin + count * entry) cursor.Fail("the file ends within the palette");
   if (!uses_it) {
@@ -110,8 +112,8 @@ Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encodi
   const std::int64_t width = cursor.U16("the header"), height = cursor.U16("the header");
   cursor.Take(1, "the header");
   const bool from_right = (cursor.U8("the header") & kFromRight) != 0;
-  const std::string plain = WithPlainPalette(path, bytes);
-  Image image = DecodeByStb("TGA", width, height, path, plain, encoding, limits);
+  const std::optional<std::string> plain = WithPlainPalette(path, bytes);
+  Image image = DecodeByStb("TGA", width, height, path, plain ? *plain : bytes, encoding, limits);
   for (int y = 0; from_right && y < image.height; ++y) {  // stb_image takes them from the left
     for (int x = 0; x < image.width / 2; ++x) {
       std::swap_ranges(image.Pixel(x, y), image.Pixel(x, y) + 3,

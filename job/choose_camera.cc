@@ -103,7 +103,7 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
                                    .world_from_camera;
   }
   CheckRealistic(camera, request);
-  if (request.kind) {
+  if (request.kind && request.kind != camera.kind) {
     if (camera.kind == CameraKind::kRealistic) camera.kind = CameraKind::kPerspective;
     camera = WithKind(camera, *request.kind, bounds, scene.up_axis, scene.left_handed);
     if (request.fov_degrees) camera.fov_degrees = *request.fov_degrees;

@@ -111,16 +111,6 @@ void Clean(Denoiser by, const std::string& scene, Picture& picture) {
   picture.image = std::move(clean.image);
 }
 
-// Moves the values of a layer out of the picture; none if it has no such layer.
-std::vector<float> TakeLayer(std::string_view name, Picture& picture) {
-  const auto found = std::find_if(picture.layers.begin(), picture.layers.end(),
-                                  [&](const NamedChannel& layer) { return layer.name == name; });
-  if (found == picture.layers.end()) return {};
-  std::vector<float> values = std::move(found->values);
-  picture.layers.erase(found);
-  return values;
-}
-
 // Returns what is behind a picture with alpha: the photograph, or the layer of the map on the
 // ground and on a dome. Its image is empty where there is nothing.
 Backplate BehindPicture(const PictureIdentity& identity, const Picture& picture) {
@@ -160,9 +150,10 @@ void ExposeAndCompose(const PictureIdentity& identity, const CropWindow& part, P
 
 // Makes the picture one to put over another one, by its layers.
 void MakeTransparent(Picture& picture) {
-  picture.alpha = TakeLayer("alpha.A", picture);
+  picture.alpha = TakeLayer("alpha.A", picture.layers);
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::vector<float> values = TakeLayer(fmt::format("foreground.{}", "RGB"[c]), picture);
+    const std::vector<float> values =
+        TakeLayer(fmt::format("foreground.{}", "RGB"[c]), picture.layers);
     for (std::size_t i = 0; i < values.size(); ++i) picture.image.rgb[3 * i + c] = values[i];
   }
 }
@@ -433,6 +424,15 @@ void WriteExr(const std::string& path, const Picture& picture,
 }
 
 }  // namespace
+
+std::vector<float> TakeLayer(std::string_view name, std::vector<NamedChannel>& layers) {
+  const auto found = std::find_if(layers.begin(), layers.end(),
+                                  [&](const NamedChannel& layer) { return layer.name == name; });
+  if (found == layers.end()) return {};
+  std::vector<float> values = std::move(found->values);
+  layers.erase(found);
+  return values;
+}
 
 bool IsStraight(const Metadata& metadata) {
   const std::pair said(std::string(kAlphaForm), std::string(ToString(AlphaForm::kStraight)));

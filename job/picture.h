@@ -138,6 +138,8 @@ void CheckFormat(const ExrFormat& format, AovSet layers);
 // Returns the options compression and half.
 std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 
+// Moves the values of a layer out of `layers`; none if it is not there.
+std::vector<float> TakeLayer(std::string_view name, std::vector<NamedChannel>& layers);
 // Whether the header of an EXR says that its colours are not multiplied by its alpha.
 bool IsStraight(const Metadata& metadata);
 // Multiplies colours by their alpha, as those of every Picture are; none where that is 0.

@@ -67,9 +67,7 @@ Picture PictureOfExr(const std::string& path, const ReadLimits& limits) {
   picture.image = std::move(read.image), picture.layers = std::move(read.layers);
   picture.placement = read.placement, picture.space = read.space;
   picture.metadata = ReadExrMetadata(path, limits);
-  const auto alpha = std::find_if(picture.layers.begin(), picture.layers.end(),
-                                  [](const NamedChannel& layer) { return layer.name == "A"; });
-  if (alpha != picture.layers.end()) picture.alpha = std::move(alpha->values);
+  picture.alpha = TakeLayer("A", picture.layers);
   if (IsStraight(picture.metadata)) Premultiply(picture.alpha, picture.image);
   return picture;
 }

@@ -146,17 +146,18 @@ void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
 
 void NoteUnknownLimits(const JobRequest& request, const SceneDefaults& scene,
                        std::vector<std::string>& notes) {
-  const RenderSettings& settings = scene.settings;
-  if (!settings.largest_of_sample && !settings.luminance_of_sample) return;
   const Integrator integrator = request.options.integrator;
-  if (Takes(integrator, settings.largest_of_sample ? "clamp-sample" : "clamp-luminance")) return;
-  NoteWarning(
-      request,
-      fmt::format("samples are not limited to {} {:.6g}: --integrator {} has no clamps",
-                  settings.largest_of_sample ? "a largest component of" : "a luminance of",
-                  settings.largest_of_sample.value_or(settings.luminance_of_sample.value_or(0)),
-                  ToString(integrator)),
-      notes);
+  if (Takes(integrator, "clamp-sample")) return;
+  const auto note = [&](const char* what, const std::optional<float>& limit) {
+    if (!limit) return;
+    NoteWarning(
+        request,
+        fmt::format("samples are not limited to {} of {:.6g}: --integrator {} has no clamps", what,
+                    *limit, ToString(integrator)),
+        notes);
+  };
+  note("a largest component", scene.settings.largest_of_sample);
+  note("a luminance", scene.settings.luminance_of_sample);
 }
 
 void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes) {

@@ -60,8 +60,7 @@ HWY_INLINE void PassLens(const LensView& lens, LensRay& ray) {
 }
 
 // Returns the ray from the point (x, y) of the film to a point of the box around its exit pupil,
-// and its throughput: uniform numbers in the box make irradiance (cos^4 area / distance^2) of the
-// mean radiance.
+// uniform over its area, and its throughput: the fourth power of its cosine by the box's weight.
 HWY_INLINE LensRay ToPupil(const LensView& lens, VF x, VF y, VF u, VF v, VF& throughput) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
   const VF distance = hn::Sqrt(x * x + y * y);

@@ -26,27 +26,27 @@ double IorBefore(const LensDesign& design, std::size_t i) {
 }
 
 // Returns the interfaces from the film, at z = 0, to the scene.
-std::vector<Crossing> StepsFromFilm(const LensDesign& design) {
-  std::vector<Crossing> steps;
+std::vector<Crossing> CrossingsFromFilm(const LensDesign& design) {
+  std::vector<Crossing> crossings;
   double z = 0;
   for (std::size_t i = design.interfaces.size(); i-- > 0;) {
     const LensInterface& at = design.interfaces[i];
     z += at.thickness;
     // The medium around a stop is the same on both sides.
     const double behind = at.ior == 0 ? 1 : at.ior;
-    steps.push_back({z, at.radius, at.aperture, behind / IorBefore(design, i)});
+    crossings.push_back({z, at.radius, at.aperture, behind / IorBefore(design, i)});
   }
-  return steps;
+  return crossings;
 }
 
 // Returns the interfaces from the scene to the film, mirrored so that rays go along +z, too.
-std::vector<Crossing> StepsFromScene(const LensDesign& design) {
-  std::vector<Crossing> steps = StepsFromFilm(design);
-  std::reverse(steps.begin(), steps.end());
-  for (Crossing& step : steps) {
+std::vector<Crossing> CrossingsFromScene(const LensDesign& design) {
+  std::vector<Crossing> crossings = CrossingsFromFilm(design);
+  std::reverse(crossings.begin(), crossings.end());
+  for (Crossing& step : crossings) {
     step.vertex = -step.vertex, step.radius = -step.radius, step.eta = 1 / step.eta;
   }
-  return steps;
+  return crossings;
 }
 
 // Refracts a ray at one interface; returns false if it does not pass. `wide` opens every aperture.
@@ -76,8 +76,8 @@ bool Pass(const Crossing& step, bool wide, AxisRay& ray) {
   return true;
 }
 
-bool Passes(const std::vector<Crossing>& steps, AxisRay ray) {
-  return std::all_of(steps.begin(), steps.end(),
+bool Passes(const std::vector<Crossing>& crossings, AxisRay ray) {
+  return std::all_of(crossings.begin(), crossings.end(),
                      [&](const Crossing& step) { return Pass(step, /*wide=*/false, ray); });
 }
 
@@ -87,11 +87,11 @@ struct CardinalPlanes {
 };
 
 // Follows a ray parallel to the axis, close to it.
-std::optional<CardinalPlanes> PlanesBehind(const std::vector<Crossing>& steps, double height) {
+std::optional<CardinalPlanes> PlanesBehind(const std::vector<Crossing>& crossings, double height) {
   double first = std::numeric_limits<double>::infinity();
-  for (const Crossing& step : steps) first = std::min(first, step.vertex);
+  for (const Crossing& step : crossings) first = std::min(first, step.vertex);
   AxisRay ray = {{height, 0, first - 1}, {0, 0, 1}};
-  for (const Crossing& step : steps) {
+  for (const Crossing& step : crossings) {
     if (!Pass(step, /*wide=*/true, ray)) return std::nullopt;
   }
   if (!(std::abs(ray.dir.x) > 0)) return std::nullopt;  // the lens has no power
@@ -109,8 +109,8 @@ struct ThickLens {
 std::optional<ThickLens> ThickLensOf(const LensDesign& design) {
   if (design.interfaces.empty()) return std::nullopt;
   const double height = 1e-3 * design.film_diagonal;
-  const auto to_scene = PlanesBehind(StepsFromFilm(design), height);
-  const auto to_film = PlanesBehind(StepsFromScene(design), height);
+  const auto to_scene = PlanesBehind(CrossingsFromFilm(design), height);
+  const auto to_film = PlanesBehind(CrossingsFromScene(design), height);
   if (!to_scene || !to_film) return std::nullopt;
   return ThickLens{to_scene->focal - to_scene->principal, -to_film->principal, to_scene->principal};
 }
@@ -126,11 +126,11 @@ struct PupilBox {
 
 constexpr int kPupilGrid = 96;  // points along a side of the square that is searched
 
-void AddPupil(const std::vector<Crossing>& steps, double film_x, double reach, PupilBox& box) {
-  const double rear = steps[0].vertex, spacing = 2 * reach / kPupilGrid;
+void AddPupil(const std::vector<Crossing>& crossings, double film_x, double reach, PupilBox& box) {
+  const double rear = crossings[0].vertex, spacing = 2 * reach / kPupilGrid;
   const auto passes = [&](const glm::dvec2& p) {
     const glm::dvec3 from(film_x, 0, 0), to(p, rear);
-    return Passes(steps, {from, glm::normalize(to - from)});
+    return Passes(crossings, {from, glm::normalize(to - from)});
   };
   const auto at = [&](int i) { return -reach + (i + 0.5) * spacing; };
   // Along each line the first and the last point that pass are moved outwards to the edge.
@@ -165,12 +165,12 @@ void AddPupil(const std::vector<Crossing>& steps, double film_x, double reach, P
 
 // As pbrt does, the boxes are a little larger than the pupils that its 1024^2 points find.
 std::vector<PupilBox> PupilsOf(const LensDesign& design) {
-  const std::vector<Crossing> steps = StepsFromFilm(design);
-  const double reach = 1.5 * steps[0].aperture, margin = 2 * std::sqrt(8.0) * reach / 1024;
+  const std::vector<Crossing> crossings = CrossingsFromFilm(design);
+  const double reach = 1.5 * crossings[0].aperture, margin = 2 * std::sqrt(8.0) * reach / 1024;
   std::vector<PupilBox> boxes(kPupils);
   tbb::parallel_for(std::uint32_t{0}, kPupils, [&](std::uint32_t i) {
     for (const double end : {i, i + 1}) {
-      AddPupil(steps, end / kPupils * design.film_diagonal / 2, reach, boxes[i]);
+      AddPupil(crossings, end / kPupils * design.film_diagonal / 2, reach, boxes[i]);
     }
     // Nothing is seen from there.
     if (boxes[i].is_empty()) boxes[i].Add(glm::dvec2(-reach)), boxes[i].Add(glm::dvec2(reach));
@@ -207,23 +207,23 @@ double FocalLength(const LensDesign& design) {
 std::optional<LensRayOfFilm> FollowFromFilm(const LensDesign& design, const LensRayOfFilm& ray) {
   AxisRay at = {{ray.origin[0], ray.origin[1], ray.origin[2]},
                 {ray.dir[0], ray.dir[1], ray.dir[2]}};
-  for (const Crossing& step : StepsFromFilm(design)) {
+  for (const Crossing& step : CrossingsFromFilm(design)) {
     if (!Pass(step, /*wide=*/false, at)) return std::nullopt;
   }
   return LensRayOfFilm{{at.origin.x, at.origin.y, at.origin.z}, {at.dir.x, at.dir.y, at.dir.z}};
 }
 
 LensSystem::LensSystem(const LensDesign& of) : design(of), focal_length(FocalLength(of)) {
-  const std::vector<Crossing> steps = StepsFromFilm(design);
+  const std::vector<Crossing> crossings = CrossingsFromFilm(design);
   const std::vector<PupilBox> pupils = PupilsOf(design);
-  const double rear = steps[0].vertex, middle = Area(pupils[0]);
+  const double rear = crossings[0].vertex, middle = Area(pupils[0]);
   const auto add = [&](const auto& list, const auto& value) {
     for (const auto& entry : list) columns.push_back(float(value(entry)));
   };
-  add(steps, [](const Crossing& s) { return s.vertex; });
-  add(steps, [](const Crossing& s) { return s.radius; });
-  add(steps, [](const Crossing& s) { return s.aperture * s.aperture; });
-  add(steps, [](const Crossing& s) { return s.eta; });
+  add(crossings, [](const Crossing& s) { return s.vertex; });
+  add(crossings, [](const Crossing& s) { return s.radius; });
+  add(crossings, [](const Crossing& s) { return s.aperture * s.aperture; });
+  add(crossings, [](const Crossing& s) { return s.eta; });
   add(pupils, [](const PupilBox& b) { return b.low.x; });
   add(pupils, [](const PupilBox& b) { return b.low.y; });
   add(pupils, [](const PupilBox& b) { return b.high.x - b.low.x; });
@@ -232,7 +232,7 @@ LensSystem::LensSystem(const LensDesign& of) : design(of), focal_length(FocalLen
     const double relative_to = design.weight == LensWeight::kRelative ? middle : rear * rear;
     return design.gain * Area(b) / relative_to;
   });
-  const std::size_t n = steps.size();
+  const std::size_t n = crossings.size();
   const float* const first = columns.data();
   view = {.interfaces = std::uint32_t(n),
           .vertex = first,

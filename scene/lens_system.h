@@ -2,7 +2,6 @@
 // Mitchell and Hanrahan 1995; Pharr, Jakob and Humphreys 2016, 6.4).
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 

@@ -32,6 +32,14 @@ inline RenderOption Refused(std::string_view why, RenderOption option) {
   return option;
 }
 
+// The same option, which takes the value of the scene file where the user gives none.
+inline RenderOption OfScene(RenderOption option,
+                            void (*resolve)(RenderOptions&, const RenderSettings&)) {
+  option.resolve = resolve;
+  option.scene_may_set = true;
+  return option;
+}
+
 // Whether an integrator takes an option of this name that it or a policy has.
 bool Takes(Integrator integrator, std::string_view option);
 

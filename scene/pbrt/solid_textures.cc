@@ -58,12 +58,13 @@ double Bounded(double x) {
 }
 
 // Returns a texture of any kind as a function; an image is one of (u, v).
-PbrtSolid AsSolid(const PbrtTexture& texture, const Scene& scene) {
+PbrtSolid AsSolid(PbrtReader& reader, const PbrtTexture& texture) {
   if (texture.solid) return *texture.solid;
   const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
   if (!texture.image) return [factor](const PbrtPoint&) { return factor; };
-  const Texture source = scene.textures[*texture.image];
-  const auto image = std::make_shared<const Image>(scene.images[source.image]);
+  const Texture source = reader.scene.textures[*texture.image];
+  std::shared_ptr<const Image>& image = reader.images_in_space[source.image];
+  if (!image) image = std::make_shared<const Image>(reader.scene.images[source.image]);
   return [factor, source, image](const PbrtPoint& point) {
     const glm::dvec2 at = glm::dmat3x2(source.transform) * glm::dvec3(point.uv, 1);
     return factor * LookUpImage(*image, source, glm::dvec2(Bounded(at.x), Bounded(at.y)));
@@ -150,11 +151,7 @@ PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
                            const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
   // Only a material makes something of a single texture, which ends the chain.
   int evaluations = textures.size() > 1 ? 1 : 0;
-  std::vector<PbrtSolid> operands;
-  for (const PbrtTexture& texture : textures) {
-    evaluations += texture.evaluations;
-    operands.push_back(AsSolid(texture, reader.scene));
-  }
+  for (const PbrtTexture& texture : textures) evaluations += texture.evaluations;
   if (evaluations > kMaxPbrtEvaluations) {
     Warn(reader, parameters,
          fmt::format("it takes more than {} evaluations of textures that vary in space: its users "
@@ -162,6 +159,8 @@ PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
                      kMaxPbrtEvaluations));
     return {};
   }
+  std::vector<PbrtSolid> operands;
+  for (const PbrtTexture& texture : textures) operands.push_back(AsSolid(reader, texture));
   return SolidTexture(
       [operands = std::move(operands), combine](const PbrtPoint& point) {
         std::vector<glm::vec3> values;
@@ -183,7 +182,7 @@ PbrtTexture LayInSpace(PbrtReader& reader, PbrtParameters& parameters, std::stri
   // A plane of pbrt-v3 is one of the world.
   const bool of_world = reader.v3 && mapping == "planar";
   const glm::dmat4 to_texture = of_world ? glm::dmat4(1) : TextureFromWorld(reader, parameters);
-  return SolidTexture([=, color_at = AsSolid(texture, reader.scene)](const PbrtPoint& point) {
+  return SolidTexture([=, color_at = AsSolid(reader, texture)](const PbrtPoint& point) {
     const glm::dvec2 uv = uv_of(glm::dvec3(to_texture * glm::dvec4(point.place, 1)));
     return color_at({point.place, point.normal, uv});
   });

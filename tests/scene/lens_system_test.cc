@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "job/choose_camera.h"
 #include "job/job.h"
 #include "kernels/camera.h"
 #include "scene/pbrt/reader.h"
@@ -282,6 +284,14 @@ TEST_F(RealisticCamera, IsRefusedWhereItCannotBe) {
   Scene scene = Read("\"string lensfile\" \"lens.dat\" \"float focusdistance\" 2",
                      "WorldBegin LightSource \"infinite\" Translate 0 0 4 Shape \"sphere\"");
   JobRequest request = SmallRequest(16, 12, 1);
+  // To ask for the camera of the scene changes nothing, though it looks upwards.
+  scene.camera->world_from_camera = glm::rotate(glm::mat4(2), 0.7f, glm::vec3(1, 0, 0));
+  scene.camera->world_from_camera[3] = glm::vec4(1, 2, 3, 1);
+  CameraRequest same;
+  same.kind = CameraKind::kRealistic;
+  const Bounds bounds = {glm::vec3(-1), glm::vec3(1)};
+  EXPECT_EQ(ChooseCamera(scene, bounds, same, 1).world_from_camera,
+            ChooseCamera(scene, bounds, {}, 1).world_from_camera);
   EXPECT_NO_THROW(RenderJob(scene, request));
   request.camera.fov_degrees = 40;
   ExpectRefused(scene, request, "lens file");

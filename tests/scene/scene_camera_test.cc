@@ -354,16 +354,15 @@ TEST(PbrtOptions, AreReadAndChangeNothingButWhatIsSaid) {
 }
 
 TEST(PbrtOptions, LimitsOfSamplesAreThoseOfTheirVersion) {
-  const RenderSettings v4 = Parse(
-                                "Film \"rgb\" \"float iso\" 200 \"float maxcomponentvalue\" 4 "
-                                "WorldBegin")
-                                .settings;
+  const auto settings_of = [](const std::string& film, const std::string& end) {
+    return Parse("Film " + film + " WorldBegin Shape \"sphere\" " + end).settings;
+  };
+  const RenderSettings v4 =
+      settings_of("\"rgb\" \"float iso\" 200 \"float maxcomponentvalue\" 4", "");
   EXPECT_EQ(v4.largest_of_sample, 4.0f);
   EXPECT_FALSE(v4.luminance_of_sample);
-  const RenderSettings v3 = Parse(
-                                "Film \"image\" \"float maxsampleluminance\" 4 \"float scale\" 2 "
-                                "WorldBegin Shape \"sphere\" WorldEnd")
-                                .settings;
+  const RenderSettings v3 =
+      settings_of("\"image\" \"float maxsampleluminance\" 4 \"float scale\" 2", "WorldEnd");
   EXPECT_EQ(v3.luminance_of_sample, 8.0f);
   EXPECT_FALSE(v3.largest_of_sample);
   EXPECT_FALSE(

@@ -35,7 +35,7 @@ void ResolveDistance(RenderOptions& options, const RenderSettings& settings) {
 
 std::vector<RenderOption> MakeTable() {
   // clang-format off
-  std::vector<RenderOption> table = {
+  return {
       MakeRenderOption({.name = "photons", .group = kGroup, .help = "photons to store for indirect light; vcm: light vertices that a pass keeps at most", .scope = OptionScope::kPixels, .example = "--integrator photon --photons 300"},
                        SKYWAVE_FIELD_OF(PhotonOptions, indirect), Numbers(0u, kMostPhotons)),
       MakeRenderOption({.name = "caustic-photons", .group = kGroup, .help = "photons to store for light from mirrors and glass", .scope = OptionScope::kPixels, .example = "--integrator photon --caustic-photons 100"},
@@ -44,22 +44,16 @@ std::vector<RenderOption> MakeTable() {
                        SKYWAVE_FIELD_OF(PhotonOptions, gather), Numbers(0u, 4096u)),
       MakeRenderOption({.name = "photon-neighbors", .group = kGroup, .help = "largest number of photons of a lookup", .scope = OptionScope::kPixels, .example = "--integrator photon --photon-neighbors 7"},
                        SKYWAVE_FIELD_OF(PhotonOptions, neighbors), Numbers(2u, 1u << 16)),
-      MakeRenderOption({.name = "progressive", .group = kGroup, .help = "passes over --spp, each with photons of its own and a smaller radius", .scope = OptionScope::kPixels, .example = "--spp 6 --integrator vcm --progressive 3", .default_text = "photon 1, vcm one per sample"},
-                       SKYWAVE_FIELD_OF(PhotonOptions, passes), Unless(0u, Numbers(1u, 1u << 20))),
-      MakeRenderOption({.name = "photon-distance", .group = kGroup, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons and pixels", .scope = OptionScope::kPixels, .example = "--integrator photon --photon-distance 0.5"},
-                       SKYWAVE_FIELD_OF(PhotonOptions, distance), Floats(0, 1e12)),
+      OfScene(MakeRenderOption({.name = "progressive", .group = kGroup, .help = "passes over --spp, each with photons of its own and a smaller radius", .scope = OptionScope::kPixels, .example = "--spp 6 --integrator vcm --progressive 3", .default_text = "photon 1, vcm one per sample"},
+                       SKYWAVE_FIELD_OF(PhotonOptions, passes), Unless(0u, Numbers(1u, 1u << 20))), ResolvePasses),
+      OfScene(MakeRenderOption({.name = "photon-distance", .group = kGroup, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons and pixels", .scope = OptionScope::kPixels, .example = "--integrator photon --photon-distance 0.5"},
+                       SKYWAVE_FIELD_OF(PhotonOptions, distance), Floats(0, 1e12)), ResolveDistance),
       MakeRenderOption({.name = "photon-kernel", .group = kGroup, .help = "weights of the photons of a lookup", .scope = OptionScope::kPixels, .example = "--integrator photon --photon-kernel cone"},
                        SKYWAVE_FIELD_OF(PhotonOptions, kernel), NamesOfEnum<PhotonKernel>()),
       MakeRenderOption({.name = "progressive-alpha", .group = kGroup, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = OptionScope::kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5"},
                        SKYWAVE_FIELD_OF(PhotonOptions, alpha), Floats(0.01, 1)),
   };
   // clang-format on
-  for (RenderOption& option : table) {
-    if (option.name == "progressive") option.resolve = ResolvePasses;
-    if (option.name == "photon-distance") option.resolve = ResolveDistance;
-    option.scene_may_set = option.resolve != nullptr;
-  }
-  return table;
 }
 
 // Returns how many light vertices a pass has at most: options.of<PhotonOptions>().indirect, or all

@@ -52,12 +52,6 @@ void ResolveLimit(RenderOptions& options, const RenderSettings& settings) {
   if (limit <= 0) limit = (settings.*kOfScene).value_or(0);
 }
 
-RenderOption OfScene(RenderOption option, void (*resolve)(RenderOptions&, const RenderSettings&)) {
-  option.resolve = resolve;
-  option.scene_may_set = true;
-  return option;
-}
-
 }  // namespace
 
 std::span<const RenderOption> ClampOptionTable() {
