@@ -44,7 +44,7 @@ std::optional<LensRayOfFilm> FollowFromFilm(const LensDesign& design, const Lens
 
 // A lens in the form that kernels read, and the columns that it points to.
 struct LensSystem {
-  explicit LensSystem(const LensDesign& design);
+  explicit LensSystem(const LensDesign& of);
   LensSystem(const LensSystem&) = delete;
   LensSystem& operator=(const LensSystem&) = delete;
 
