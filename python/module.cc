@@ -1,11 +1,9 @@
 // The extension module skywave._core: what skywave/skywave.h declares, for the Python package
 // beside it, whose functions have checked and converted the arguments. Nothing here is meant for
 // users.
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
 #include <algorithm>
+#include <array>
+#include <concepts>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -16,23 +14,27 @@
 #include <utility>
 #include <vector>
 
+#include "binding.h"
 #include "skywave/skywave.h"
 
 namespace {
 
-namespace py = pybind11;
 namespace api = skywave::api;
 
-// An array that needs no conversion: arguments of this type are declared with noconvert().
-template <class Number>
-using Array = py::array_t<Number, py::array::c_style>;
-
-// Bytes that are no UTF-8, as names of files may have, survive as Python's own functions keep them.
-py::str Text(const std::string& text) {
-  PyObject* object = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), "surrogateescape");
-  if (object == nullptr) throw py::error_already_set();
-  return py::reinterpret_steal<py::str>(object);
+// Texts of the package are bytes. Those of the library that are no UTF-8, as names of files may
+// have, survive as Python's own functions keep them.
+std::string StringOf(const py::bytes& text) {
+  char* data = nullptr;
+  Py_ssize_t size = 0;
+  if (PyBytes_AsStringAndSize(text.ptr(), &data, &size) != 0) throw PythonError();
+  return {data, std::size_t(size)};
 }
+py::str Text(const std::string& text) {
+  PyObject* object = PyUnicode_DecodeUTF8(text.data(), Py_ssize_t(text.size()), "surrogateescape");
+  if (object == nullptr) throw PythonError();
+  return Steal<py::str>(object);
+}
+py::bytes Bytes(const std::string& bytes) { return py::bytes(bytes.data(), bytes.size()); }
 py::list TextList(const std::vector<std::string>& lines) {
   py::list list;
   for (const std::string& line : lines) list.append(Text(line));
@@ -51,6 +53,7 @@ template <class Object>
 class Shared {
  public:
   template <class... Arguments>
+  requires std::constructible_from<Object, Arguments...>
   explicit Shared(Arguments&&... arguments) : object_(std::forward<Arguments>(arguments)...) {}
 
   template <class Function>
@@ -69,14 +72,20 @@ using Scene = Shared<api::Scene>;
 using Renderer = Shared<api::Renderer>;
 
 // Options as the package hands them over.
-using OptionTexts = std::vector<std::pair<std::string, std::string>>;
+using OptionTexts = std::vector<std::pair<py::bytes, py::bytes>>;
 
-api::Options OptionsOf(const OptionTexts& texts) { return {texts.begin(), texts.end()}; }
+api::Options OptionsOf(const OptionTexts& texts) {
+  api::Options options;
+  for (const auto& [name, value] : texts) options.emplace_back(StringOf(name), StringOf(value));
+  return options;
+}
 
 template <class Number>
 std::span<const Number> SpanOf(const Array<Number>& array) {
   return {array.data(), std::size_t(array.size())};
 }
+
+std::span<float> SpanOf(FloatArray& array) { return {DataOf(array), std::size_t(array.size())}; }
 
 template <class Number>
 std::span<const Number> SpanOf(const std::optional<Array<Number>>& array) {
@@ -90,15 +99,16 @@ api::ImageArray ImageOf(const Array<float>& array) {
   return {SpanOf(array), int(array.shape(1)), int(array.shape(0))};
 }
 
-Array<float> NewArray(py::ssize_t height, py::ssize_t width, py::ssize_t channels) {
-  if (channels == 1) return Array<float>({height, width});
-  return Array<float>({height, width, channels});
+FloatArray NewArray(int height, int width, int channels) {
+  const std::array shape = {std::size_t(height), std::size_t(width), std::size_t(channels)};
+  return NewFloatArray(channels == 1 ? 2 : 3, shape.data());
 }
 
-Array<float> ReadImage(const std::string& path) {
-  const api::Image image = Unlocked([&] { return api::ReadImage(path); });
-  Array<float> array = NewArray(image.height, image.width, 3);
-  std::copy(image.rgb.begin(), image.rgb.end(), array.mutable_data());
+FloatArray ReadImage(const py::bytes& path) {
+  const std::string name = StringOf(path);
+  const api::Image image = Unlocked([&] { return api::ReadImage(name); });
+  FloatArray array = NewArray(image.height, image.width, 3);
+  std::copy(image.rgb.begin(), image.rgb.end(), DataOf(array));
   return array;
 }
 
@@ -107,7 +117,7 @@ Array<float> ReadImage(const std::string& path) {
 api::ProgressCallback CallbackOf(const py::object& progress) {
   return [&progress](double done) {
     const py::gil_scoped_acquire acquire;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (PyErr_CheckSignals() != 0) throw PythonError();
     return progress.is_none() || !progress(done).is(py::bool_(false));
   };
 }
@@ -124,7 +134,7 @@ const char* NameOf(api::Error::Kind kind) {
   return "";
 }
 
-void TranslateException(std::exception_ptr exception) {
+void TranslateException(const std::exception_ptr& exception) {
   try {
     if (exception) std::rethrow_exception(exception);
   } catch (const api::Error& error) {
@@ -136,21 +146,23 @@ void TranslateException(std::exception_ptr exception) {
     } catch (...) {  // the cause of bad input, which the error names
     }
     const py::object object =
-        py::module_::import("skywave._errors")
+        Import("skywave._errors")
             .attr("make_error")(Text(error.what()), NameOf(error.kind()), Text(error.place()));
-    PyErr_SetObject(py::type::of(object).ptr(), object.ptr());
+    PyErr_SetObject(object.attr("__class__").ptr(), object.ptr());
   } catch (const api::Canceled& canceled) {
-    const py::object type = py::module_::import("skywave._errors").attr("Canceled");
+    const py::object type = Import("skywave._errors").attr("Canceled");
     PyErr_SetString(type.ptr(), canceled.what());
   }
 }
 
 void AddScene(py::module_& module) {
-  using Numbers = std::vector<std::pair<std::string, std::vector<float>>>;
+  using Numbers = std::vector<std::pair<py::bytes, std::vector<float>>>;
   py::class_<Scene>(module, "Scene")
-      .def(py::init<>())
-      .def(py::init([](const std::string& path, const OptionTexts& options) {
-        return Unlocked([&] { return std::make_unique<Scene>(path, OptionsOf(options)); });
+      .def(Constructor([] { return std::make_unique<Scene>(); }))
+      .def(Constructor([](const py::bytes& path, const OptionTexts& texts) {
+        const std::string name = StringOf(path);
+        const api::Options options = OptionsOf(texts);
+        return Unlocked([&] { return std::make_unique<Scene>(name, options); });
       }))
       .def("copy",
            [](Scene& scene) {
@@ -164,7 +176,7 @@ void AddScene(py::module_& module) {
           [](Scene& scene, const Array<float>& vertices, const Array<std::uint32_t>& faces,
              const std::optional<Array<float>>& normals, const std::optional<Array<float>>& uvs,
              const std::optional<Array<float>>& colors, const std::optional<Array<float>>& alphas,
-             int material, const std::string& name, int object) {
+             int material, const py::bytes& name, int object) {
             const api::MeshArrays mesh = {.positions = SpanOf(vertices),
                                           .triangles = SpanOf(faces),
                                           .normals = SpanOf(normals),
@@ -172,7 +184,7 @@ void AddScene(py::module_& module) {
                                           .colors = SpanOf(colors),
                                           .alphas = SpanOf(alphas),
                                           .material = material,
-                                          .name = name,
+                                          .name = StringOf(name),
                                           .object = object};
             scene.Use([&](api::Scene& s) { s.AddMesh(mesh); });
           },
@@ -184,14 +196,14 @@ void AddScene(py::module_& module) {
           [](Scene& scene, const Array<float>& points, float size,
              const std::optional<Array<std::uint32_t>>& lines,
              const std::optional<Array<float>>& colors, const std::optional<Array<float>>& alphas,
-             int material, const std::string& name, int object) {
+             int material, const py::bytes& name, int object) {
             const api::PointArrays arrays = {.positions = SpanOf(points),
                                              .diameter = size,
                                              .lines = SpanOf(lines),
                                              .colors = SpanOf(colors),
                                              .alphas = SpanOf(alphas),
                                              .material = material,
-                                             .name = name,
+                                             .name = StringOf(name),
                                              .object = object};
             scene.Use([&](api::Scene& s) { s.AddPoints(arrays); });
           },
@@ -199,7 +211,8 @@ void AddScene(py::module_& module) {
           py::arg("colors").noconvert(), py::arg("alphas").noconvert(), py::arg("material"),
           py::arg("name"), py::arg("object"))
       .def("add_object",
-           [](Scene& scene, const std::string& name) {
+           [](Scene& scene, const py::bytes& text) {
+             const std::string name = StringOf(text);
              return scene.Use([&](api::Scene& s) { return s.AddObject(name); });
            })
       .def(
@@ -216,10 +229,12 @@ void AddScene(py::module_& module) {
           },
           py::arg("image").noconvert(), py::arg("use"))
       .def("add_material",
-           [](Scene& scene, const std::string& bsdf, const Numbers& numbers,
-              const std::string& name) {
+           [](Scene& scene, const py::bytes& kind, const Numbers& numbers, const py::bytes& text) {
+             const std::string bsdf = StringOf(kind), name = StringOf(text);
              std::vector<api::MaterialParameter> parameters;
-             for (const auto& [key, values] : numbers) parameters.push_back({key, values});
+             for (const auto& [key, values] : numbers) {
+               parameters.push_back({StringOf(key), values});
+             }
              return scene.Use([&](api::Scene& s) { return s.AddMaterial(bsdf, parameters, name); });
            })
       .def("add_point_light",
@@ -260,9 +275,9 @@ void AddScene(py::module_& module) {
 
 void AddRenderer(py::module_& module) {
   py::class_<Renderer>(module, "Renderer")
-      .def(py::init([](Scene& scene, const OptionTexts& options) {
-        return scene.Use(
-            [&](api::Scene& s) { return std::make_unique<Renderer>(s, OptionsOf(options)); });
+      .def(Constructor([](Scene& scene, const OptionTexts& texts) {
+        const api::Options options = OptionsOf(texts);
+        return scene.Use([&](api::Scene& s) { return std::make_unique<Renderer>(s, options); });
       }))
       .def("width",
            [](Renderer& renderer) {
@@ -289,21 +304,24 @@ void AddRenderer(py::module_& module) {
            [](Renderer& renderer) {
              return TextList(renderer.Use([](api::Renderer& r) { return r.notes(); }));
            })
-      .def("render",
-           [](Renderer& renderer, const py::object& progress, const std::string& checkpoint,
-              double seconds, bool resume) {
-             const api::RenderControl control = {.progress = CallbackOf(progress),
-                                                 .checkpoint = checkpoint,
-                                                 .checkpoint_seconds = seconds,
-                                                 .resume = resume};
-             renderer.Use([&](api::Renderer& r) { r.Render(control); });
-           })
+      .def(
+          "render",
+          [](Renderer& renderer, const py::object& progress, const py::bytes& checkpoint,
+             double seconds, bool resume) {
+            const api::RenderControl control = {.progress = CallbackOf(progress),
+                                                .checkpoint = StringOf(checkpoint),
+                                                .checkpoint_seconds = seconds,
+                                                .resume = resume};
+            renderer.Use([&](api::Renderer& r) { r.Render(control); });
+          },
+          py::arg("progress").none(), py::arg("checkpoint"), py::arg("checkpoint_seconds"),
+          py::arg("resume"))
       .def("picture",
            [](Renderer& renderer) {
              const auto [width, height] =
                  renderer.Use([](api::Renderer& r) { return std::pair(r.width(), r.height()); });
-             Array<float> rgb = NewArray(height, width, 3);
-             const std::span<float> span(rgb.mutable_data(), std::size_t(rgb.size()));
+             FloatArray rgb = NewArray(height, width, 3);
+             const std::span<float> span = SpanOf(rgb);
              renderer.Use([&](api::Renderer& r) { r.CopyPicture(span); });
              return rgb;
            })
@@ -311,8 +329,8 @@ void AddRenderer(py::module_& module) {
            [](Renderer& renderer, const std::string& name, int channels) {
              const auto [width, height] =
                  renderer.Use([](api::Renderer& r) { return std::pair(r.width(), r.height()); });
-             Array<float> values = NewArray(height, width, channels);
-             const std::span<float> span(values.mutable_data(), std::size_t(values.size()));
+             FloatArray values = NewArray(height, width, channels);
+             const std::span<float> span = SpanOf(values);
              renderer.Use([&](api::Renderer& r) { r.CopyLayer(name, span); });
              return values;
            })
@@ -333,19 +351,22 @@ void AddRenderer(py::module_& module) {
              return Text(renderer.Use([](api::Renderer& r) { return r.Summary(); }));
            })
       .def("write_exr",
-           [](Renderer& renderer, const std::string& path) {
-             renderer.Use([&](api::Renderer& r) { r.WriteExr(path); });
+           [](Renderer& renderer, const py::bytes& path) {
+             const std::string name = StringOf(path);
+             renderer.Use([&](api::Renderer& r) { r.WriteExr(name); });
            })
       .def("write_png",
-           [](Renderer& renderer, const std::string& path) {
-             renderer.Use([&](api::Renderer& r) { r.WritePng(path); });
+           [](Renderer& renderer, const py::bytes& path) {
+             const std::string name = StringOf(path);
+             renderer.Use([&](api::Renderer& r) { r.WritePng(name); });
            })
       .def("write_film",
-           [](Renderer& renderer, const std::string& path) {
-             renderer.Use([&](api::Renderer& r) { r.WriteFilm(path); });
+           [](Renderer& renderer, const py::bytes& path) {
+             const std::string name = StringOf(path);
+             renderer.Use([&](api::Renderer& r) { r.WriteFilm(name); });
            })
       .def("encode_png", [](Renderer& renderer) {
-        return py::bytes(renderer.Use([](api::Renderer& r) { return r.EncodePng(); }));
+        return Bytes(renderer.Use([](api::Renderer& r) { return r.EncodePng(); }));
       });
 }
 
@@ -356,9 +377,10 @@ void AddFunctions(py::module_& module) {
   module.def("read_image", &ReadImage);
   module.def(
       "encode_png",
-      [](const Array<float>& array, float exposure, const std::string& tone) {
+      [](const Array<float>& array, float exposure, const py::bytes& tone) {
         const api::ImageArray pixels = ImageOf(array);
-        return py::bytes(Unlocked([&] { return api::EncodePng(pixels, exposure, tone); }));
+        const std::string name = StringOf(tone);
+        return Bytes(Unlocked([&] { return api::EncodePng(pixels, exposure, name); }));
       },
       image, py::arg("exposure"), py::arg("tone"));
   module.def(
@@ -368,25 +390,30 @@ void AddFunctions(py::module_& module) {
         return Text(Unlocked([&] { return api::Compare(pixels, reference); }));
       },
       image, py::arg("reference").noconvert());
-  module.def("converge", [](Scene& scene, const OptionTexts& options, const py::object& progress) {
-    const api::ProgressCallback callback = CallbackOf(progress);
-    // A copy, so that others may use the scene meanwhile.
-    const api::Scene copy = scene.Use([](api::Scene& s) { return s; });
-    return Text(Unlocked([&] { return api::Converge(copy, OptionsOf(options), callback); }));
-  });
+  module.def(
+      "converge",
+      [](Scene& scene, const OptionTexts& texts, const py::object& progress) {
+        const api::ProgressCallback callback = CallbackOf(progress);
+        const api::Options options = OptionsOf(texts);
+        // A copy, so that others may use the scene meanwhile.
+        const api::Scene copy = scene.Use([](api::Scene& s) { return s; });
+        return Text(Unlocked([&] { return api::Converge(copy, options, callback); }));
+      },
+      py::arg("scene"), py::arg("options"), py::arg("progress").none());
   module.def(
       "describe_map",
-      [](const Array<float>& map, const std::string& projection) {
+      [](const Array<float>& map, const py::bytes& projection) {
         const api::ImageArray pixels = ImageOf(map);
-        return Text(Unlocked([&] { return api::DescribeMap(pixels, projection); }));
+        const std::string name = StringOf(projection);
+        return Text(Unlocked([&] { return api::DescribeMap(pixels, name); }));
       },
       py::arg("map").noconvert(), py::arg("projection"));
 }
 
 }  // namespace
 
-PYBIND11_MODULE(_core, module) {
-  py::register_exception_translator(&TranslateException);
+SKYWAVE_PYTHON_MODULE(_core, module) {
+  RegisterTranslator<TranslateException>();
   py::enum_<api::TextureUse>(module, "TextureUse")
       .value("color", api::TextureUse::kColor)
       .value("opacity", api::TextureUse::kOpacity)

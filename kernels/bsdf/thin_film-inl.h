@@ -74,7 +74,8 @@ struct ThinFilm {
     VF grazing;      // Schlick's factor inside
     V3 once, twice;  // colours of waves that differ by one and by two crossings and back
   };
-  HWY_INLINE Crossing At(VF cosine) const {
+  // Inlined at its five places it would be half of the code of the BSDFs that have films.
+  HWY_NOINLINE Crossing At(VF cosine) const {
     const VF one = Set(1.0f);
     const VF inner = SafeSqrt(one - (one - cosine * cosine) / (ior * ior));
     const VF path = 2.0f * ior * thickness * inner;

@@ -293,7 +293,7 @@ class BadInputTest(Case):
             with self.assertRaises(TypeError):
                 scene.add_mesh(*arguments, None, None, None, 0, "")
         with self.assertRaises(ValueError):
-            skywave._core.encode_png(numpy.ones((2, 3, 4), numpy.float32), 0, "clip")
+            skywave._core.encode_png(numpy.ones((2, 3, 4), numpy.float32), 0, b"clip")
 
 
 if __name__ == "__main__":
