@@ -87,7 +87,7 @@ void SetOptions(const std::vector<BoundOption>& bound, const Options& options) {
 RenderJob MakeJob(const SceneState& scene, JobRequest request) {
   request.scene = scene.name();
   request.read = scene.read;
-  request.camera.placed = scene.camera;
+  request.camera.placed = scene.camera, request.camera.placed_at = scene.camera_at;
   if (request.environment.path.empty()) {
     request.environment.image = scene.environment;
     request.environment.image_hash = scene.environment_hash;

@@ -144,6 +144,9 @@ void AppendMesh(SceneState& state, const Arrays& arrays, Mesh mesh) {
       arrays.object < 0 ? scene.meshes : scene.objects[std::size_t(arrays.object)].meshes;
   mesh.name = arrays.name.empty() ? fmt::format("mesh {}", meshes.size()) : arrays.name;
   mesh.material = std::uint32_t(arrays.material);
+  if (arrays.object < 0) {
+    for (glm::vec3& p : mesh.positions) p = PlaceInScene(scene, p);
+  }
   meshes.push_back(std::move(mesh));
   state.changed = true;
 }
@@ -311,6 +314,7 @@ void Scene::AddInstances(int object, std::span<const float> matrices) {
     for (int i = 0; i < 12; ++i) {
       instance.world_from_object[i % 4][i / 4] = matrices[first + std::size_t(i)];
     }
+    instance.world_from_object[3] -= scene.origin;
     scene.instances.push_back(instance);
   }
   state_->changed = true;
@@ -320,7 +324,7 @@ void Scene::AddPointLight(const Vector& position, const Vector& intensity) {
   RequireFinite(position, "position");
   state_->Change().lights.push_back({.kind = LocalLightKind::kPoint,
                                      .emission = Emission(intensity, "intensity"),
-                                     .position = Vec3(position)});
+                                     .position = PlaceInScene(state_->scene(), Vec3(position))});
   state_->changed = true;
 }
 
@@ -333,7 +337,7 @@ void Scene::AddSpotLight(const Vector& position, const Vector& axis, const Vecto
           "a spot needs 0 <= full_degrees <= dark_degrees");
   state_->Change().lights.push_back({.kind = LocalLightKind::kSpot,
                                      .emission = Emission(intensity, "intensity"),
-                                     .position = Vec3(position),
+                                     .position = PlaceInScene(state_->scene(), Vec3(position)),
                                      .direction = Direction(axis, "axis"),
                                      .cos_full = std::cos(glm::radians(full_degrees)),
                                      .cos_dark = std::cos(glm::radians(dark_degrees))});
@@ -369,6 +373,7 @@ void Scene::SetCamera(const Vector& eye, const Vector& target, const Vector& up,
   Require(fov_degrees > 0 && fov_degrees < 180, "fov_degrees", "has to be between 0 and 180");
   state_->camera =
       LookAtCamera(Vec3(eye), Vec3(target), unit_up, fov_degrees, state_->scene().left_handed);
+  state_->camera_at = Vec3(eye);
   state_->changed = true;
 }
 
@@ -383,6 +388,7 @@ void Scene::SetCamera(const std::array<double, 9>& k,
   Require(pose[0][3] == 0 && pose[1][3] == 0 && pose[2][3] == 0 && pose[3][3] == 1,
           "world_from_camera", "has another last row than 0, 0, 0, 1");
   state_->camera = CameraOfMatrix(k, pose, width, height);
+  state_->camera_at = glm::dvec3(pose[3]);
   state_->changed = true;
 } catch (const InputError& error) {
   Require(false, "camera", error.reason());

@@ -29,6 +29,7 @@ struct SceneState {
   double load_seconds = 0;
   // In place of what the scene has; they leave its geometry as it is.
   std::optional<Camera> camera;
+  glm::dvec3 camera_at{0.0};                          // CameraRequest::placed_at
   std::shared_ptr<const skywave::Image> environment;  // an option comes before it
   std::uint64_t environment_hash = 0;
 

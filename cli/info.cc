@@ -127,9 +127,13 @@ nlohmann::ordered_json Json(const EnvironmentLight& light) {
   return json;
 }
 
-nlohmann::ordered_json Json(const Camera& camera) {
+glm::vec3 EyeInWorld(const Camera& camera, const Scene& scene) {
+  return scene.origin + glm::dvec3(camera.world_from_camera[3]);
+}
+
+nlohmann::ordered_json Json(const Camera& camera, const Scene& scene) {
   nlohmann::ordered_json json = {{"kind", ToString(camera.kind)},
-                                 {"eye", List(glm::vec3(camera.world_from_camera[3]))}};
+                                 {"eye", List(EyeInWorld(camera, scene))}};
   if (camera.kind == CameraKind::kPerspective) json["fov_degrees"] = camera.fov_degrees;
   if (camera.lens_radius > 0) {
     json["lens_radius"] = camera.lens_radius;
@@ -158,16 +162,17 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   json["meshes_with_normals"] = summary.meshes_with_normals;
   json["meshes_with_uvs"] = summary.meshes_with_uvs;
   if (summary.bounds) {
-    json["bounds"] = {{"low", List(summary.bounds->low)}, {"high", List(summary.bounds->high)}};
+    const Bounds bounds = BoundsInWorld(scene, *summary.bounds);
+    json["bounds"] = {{"low", List(bounds.low)}, {"high", List(bounds.high)}};
   }
   json["left_handed"] = scene.left_handed;
   json["up_axis"] = std::string(1, scene.up_axis);
   json["has_camera"] = scene.camera.has_value();
-  if (scene.camera) json["camera"] = Json(*scene.camera);
+  if (scene.camera) json["camera"] = Json(*scene.camera, scene);
   json["cameras"] = nlohmann::ordered_json::array();
   for (const NamedCamera& named : scene.cameras) {
     nlohmann::ordered_json camera = {{"name", named.name}};
-    camera.update(Json(named.camera));
+    camera.update(Json(named.camera, scene));
     json["cameras"].push_back(std::move(camera));
   }
   json["animations"] = nlohmann::ordered_json::array();
@@ -235,9 +240,9 @@ std::string Emission(const Material& material) {
                      material.emission_texture ? " * texture" : "");
 }
 
-std::string Describe(const Camera& camera) {
+std::string Describe(const Camera& camera, const Scene& scene) {
   std::string text =
-      fmt::format("{} at {}", ToString(camera.kind), Text(glm::vec3(camera.world_from_camera[3])));
+      fmt::format("{} at {}", ToString(camera.kind), Text(EyeInWorld(camera, scene)));
   if (camera.kind == CameraKind::kPerspective) {
     text += fmt::format(", {:.4g} degrees", camera.fov_degrees);
   }
@@ -281,12 +286,14 @@ void PrintScene(const std::string& path, const SceneFile& file) {
                                  summary.objects, summary.triangles_seen));
   }
   if (summary.bounds) {
-    row("bounds", fmt::format("{} to {}", Text(summary.bounds->low), Text(summary.bounds->high)));
+    const Bounds bounds = BoundsInWorld(scene, *summary.bounds);
+    row("bounds", fmt::format("{} to {}", Text(bounds.low), Text(bounds.high)));
     row("size", Text(summary.bounds->high - summary.bounds->low));
   }
   row("world",
       fmt::format("{}-handed, {} up", scene.left_handed ? "left" : "right", scene.up_axis));
-  row("camera", scene.camera ? Describe(*scene.camera) : "none: one that sees everything is used");
+  row("camera",
+      scene.camera ? Describe(*scene.camera, scene) : "none: one that sees everything is used");
   constexpr double kMib = 1024 * 1024;
   row("memory", fmt::format("{:.2f} MiB as read, {:.2f} MiB to render and {:.2f} MiB of BVH",
                             double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib,
@@ -294,7 +301,7 @@ void PrintScene(const std::string& path, const SceneFile& file) {
   row("time", fmt::format("load {:.3f} s, build {:.3f} s", file.load_seconds, file.build_seconds));
   if (!scene.cameras.empty()) Print(stdout, "\n{} cameras\n", scene.cameras.size());
   for (const NamedCamera& named : scene.cameras) {
-    Print(stdout, "  {:<24}{}\n", named.name, Describe(named.camera));
+    Print(stdout, "  {:<24}{}\n", named.name, Describe(named.camera, scene));
   }
   if (!scene.animations.empty()) Print(stdout, "\n{} animations\n", scene.animations.size());
   for (const AnimationInfo& animation : scene.animations) {

@@ -350,7 +350,11 @@ CameraOfFile ReadCameraOfFile(const std::string& path, const std::string& name, 
                            chosen->distortion));
   }
   Camera camera = CameraOf(*chosen);
-  return {chosen->name, camera, int(chosen->pinhole.width), int(chosen->pinhole.height)};
+  return {.name = chosen->name,
+          .camera = camera,
+          .eye = chosen->pose.eye,
+          .width = int(chosen->pinhole.width),
+          .height = int(chosen->pinhole.height)};
 }
 
 std::vector<std::string> PhotographsOfFile(const std::string& path) {
@@ -392,7 +396,7 @@ void TakeCameraOfFile(JobRequest& request, std::vector<std::string>& warnings) {
   for (std::string& line : WarningLines(found)) warnings.push_back(std::move(line));
   request.width = request.width.value_or(read.width);
   request.height = request.height.value_or(read.height);
-  request.camera.placed = read.camera;
+  request.camera.placed = read.camera, request.camera.placed_at = read.eye;
 }
 
 }  // namespace skywave

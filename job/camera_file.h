@@ -17,6 +17,7 @@ namespace skywave {
 struct CameraOfFile {
   std::string name;  // of its photograph; empty: the file has one camera without a name
   Camera camera;
+  glm::dvec3 eye{0.0};  // its place, which the matrix of the camera has rounded
   int width = 0, height = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -87,17 +88,24 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
                                      : SceneCamera(scene, request.name);
   Camera camera =
       of_scene ? *of_scene : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
+  if (of_scene && request.placed && of_scene == &*request.placed) {
+    camera.world_from_camera[3] = glm::vec4(PlaceInScene(scene, request.placed_at), 1);
+  }
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
+  const auto in_scene = [&](const std::optional<glm::dvec3>& place) {
+    return place ? std::optional(PlaceInScene(scene, *place)) : std::nullopt;
+  };
+  const std::optional<glm::vec3> wanted_eye = in_scene(request.eye),
+                                 wanted_target = in_scene(request.target);
   if (request.fov_degrees) {
     camera.fov_degrees = *request.fov_degrees;
     // The angle is across the shorter side of the film, and not of the view that a file describes.
     if (camera.kind == CameraKind::kPerspective && camera.square_pixels) camera.window.reset();
   }
   if (request.eye || request.target || request.up) {
-    const glm::vec3 eye = request.eye.value_or(glm::vec3(camera.world_from_camera[3]));
+    const glm::vec3 eye = wanted_eye.value_or(glm::vec3(camera.world_from_camera[3]));
     const glm::vec3 ahead = eye + glm::vec3(camera.world_from_camera[2]);
-    const glm::vec3 target =
-        request.target.value_or(request.eye || request.target ? middle : ahead);
+    const glm::vec3 target = wanted_target.value_or(wanted_eye ? middle : ahead);
     camera.world_from_camera = LookAtCamera(eye, target, UpOf(scene, request, target - eye),
                                             camera.fov_degrees, scene.left_handed)
                                    .world_from_camera;
@@ -124,7 +132,7 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   }
   if (request.focal_distance) camera.focal_distance = *request.focal_distance / depth;
   camera.world_from_camera = Rolled(camera.world_from_camera, request.roll_degrees.value_or(0));
-  return Orbited(camera, request.target.value_or(middle), request.orbit_degrees.value_or(0), scene);
+  return Orbited(camera, wanted_target.value_or(middle), request.orbit_degrees.value_or(0), scene);
 }
 
 Camera ChooseCamera(const PreparedScene& prepared, const JobRequest& request) {

@@ -137,9 +137,10 @@ std::uint32_t SeedOfFrame(std::uint32_t seed, double frame) {
   return std::uint32_t((bits ^ (bits >> 31)) >> 32);
 }
 
-float WorldExtent(const Bounds& bounds, const Camera& camera) {
+float WorldExtent(const Scene& scene, const Bounds& bounds, const Camera& camera) {
   const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
-  return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
+  return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3])) +
+         float(glm::length(scene.origin));
 }
 
 }  // namespace
@@ -289,7 +290,7 @@ void RenderJob::PlaceLights(const JobParts& parts, const LoadedLight& light) {
   links_ =
       MakeLinks(request_, *prepared.scene, geometry(), local_lights().view(), has_environment());
   if (options().aovs != 0 || request_.denoise != Denoiser::kNone)
-    world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
+    world_extent_ = WorldExtent(*prepared.scene, prepared.whole_bounds, scene_camera_);
 }
 
 void RenderJob::BuildStrategies(const JobParts& parts,

@@ -38,18 +38,19 @@ bool ParseTuple(const std::string& text, const char* separators, int count, Numb
   return next == end;
 }
 
-Codec<glm::vec3> Points() {
+template <class Point>
+Codec<Point> Points() {
   return {.values = "X,Y,Z, for example 0,1.5,-3",
           .metavar = "X,Y,Z",
-          .parse = [](const std::string& text) -> std::optional<glm::vec3> {
-            float p[3];
+          .parse = [](const std::string& text) -> std::optional<Point> {
+            typename Point::value_type p[3];
             if (!ParseTuple(text, ",,", 3, p)) return std::nullopt;
-            for (const float x : p) {
-              if (!std::isfinite(x)) return std::nullopt;
+            for (const auto x : p) {
+              if (!std::isfinite(float(x))) return std::nullopt;
             }
-            return glm::vec3(p[0], p[1], p[2]);
+            return Point(p[0], p[1], p[2]);
           },
-          .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
+          .print = [](const Point& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
 }
 
 Codec<DomeRequest> Domes() {
@@ -278,11 +279,11 @@ std::vector<JobOption> CommonRows() {
     Plain({.name = "camera", .group = kCamera, .help = "kind of camera; realistic: only that of a scene that has a lens file", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
           FIELD(camera.kind), NamesOfEnum<CameraKind>()),
     Plain({.name = "eye", .group = kCamera, .help = "position", .scope = kPixels, .example = "--eye=-1.5,2,3", .default_text = "the scene's, or one that sees all of it"},
-          FIELD(camera.eye), Points()),
+          FIELD(camera.eye), Points<glm::dvec3>()),
     Plain({.name = "target", .group = kCamera, .help = "point that the camera looks at", .scope = kPixels, .example = "--target 0.1,0.2,-0.3", .default_text = "with --eye: the middle of the scene"},
-          FIELD(camera.target), Points()),
+          FIELD(camera.target), Points<glm::dvec3>()),
     Plain({.name = "up", .group = kCamera, .help = "direction that is up in the picture", .scope = kPixels, .example = "--up 0.3,1,0.1", .default_text = "the scene's up axis; looking along that, its middle of the map"},
-          FIELD(camera.up), Points()),
+          FIELD(camera.up), Points<glm::vec3>()),
     Plain({.name = "roll", .group = kCamera, .help = "turn of the camera about its view, clockwise as it looks", .scope = kPixels, .example = "--roll 12.5", .default_text = "0", .metavar = "DEGREES"},
           FIELD(camera.roll_degrees), Floats(-1e6, 1e6)),
     Plain({.name = "fov", .group = kCamera, .help = "field of view across the shorter side of the film, for a fisheye up to 360", .scope = kPixels, .example = "--fov 31.5", .default_text = "the scene's", .metavar = "DEGREES"},

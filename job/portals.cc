@@ -14,11 +14,11 @@ namespace skywave {
 namespace {
 
 // Returns the numbers of "1,2.5,-3", or nothing if the text is something else.
-std::optional<std::vector<float>> Numbers(const std::string& text) {
-  std::vector<float> numbers;
+std::optional<std::vector<double>> Numbers(const std::string& text) {
+  std::vector<double> numbers;
   const char *next = text.data(), *const end = next + text.size();
   while (true) {
-    float number = 0;
+    double number = 0;
     const auto [stop, error] = std::from_chars(next, end, number);
     if (error != std::errc()) return std::nullopt;
     numbers.push_back(number);
@@ -36,7 +36,9 @@ std::vector<Portal> PortalsOfText(const std::string& text, Scene& scene) {
                                        numbers->size()));
     }
     std::array<glm::vec3, 4> corners;
-    for (std::size_t i = 0; i < 12; ++i) corners[i / 3][int(i % 3)] = (*numbers)[i];
+    for (std::size_t i = 0; i < 12; ++i) {
+      corners[i / 3][int(i % 3)] = float((*numbers)[i] - scene.origin[int(i % 3)]);
+    }
     return {PortalOfCorners(corners)};
   }
   std::vector<Portal> portals;

@@ -43,9 +43,11 @@ struct CameraRequest {
   std::string from;              // a file of cameras, see job/camera_file.h; empty: the scene's
   std::string name;              // one of its cameras; empty: the first one
   std::optional<Camera> placed;  // in place of the scene's first one; of the file, if there is one
+  glm::dvec3 placed_at{0.0};     // its place, which scenes far from (0, 0, 0) need whole
   std::optional<CameraKind> kind;
-  std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
-  std::optional<glm::vec3> up;           // unset: the axis that is up in the scene
+  std::optional<glm::dvec3> eye,
+      target;                   // target: the middle of the scene if only the eye is given
+  std::optional<glm::vec3> up;  // unset: the axis that is up in the scene
   std::optional<float> fov_degrees;
   std::optional<float> lens_radius;     // world space
   std::optional<float> focal_distance;  // world space; unset: the middle of the scene is sharp

@@ -28,7 +28,8 @@ bool HaveOneBvh(const GeometryTables& a, const GeometryTables& b) {
 Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                    const std::string& embree_config, bool keep_uvs,
                    const std::shared_ptr<const Geometry>& twin)
-    : tables_(MakeGeometryTables(scene, path, keep_uvs)),
+    : origin_(scene.origin),
+      tables_(MakeGeometryTables(scene, path, keep_uvs)),
       opacity_(tables_.opacity_view()),
       shares_bvh_(twin && HaveOneBvh(tables_, twin->tables_)),
       embree_(shares_bvh_ ? std::shared_ptr<const EmbreeScene>(twin, twin->embree_.get())

@@ -55,7 +55,8 @@ class Geometry {
   const std::uint32_t* vertex_colors() const {
     return tables_.vertex_colors.empty() ? nullptr : tables_.vertex_colors.data();
   }
-  bool absorbs() const { return tables_.absorbs; }  // whether light is lost inside some material
+  const glm::vec3& origin() const { return origin_; }  // Scene::origin
+  bool absorbs() const { return tables_.absorbs; }     // whether light is lost inside some material
   // One per triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tables_.tangents.data(); }
   bool has_one_sided() const { return tables_.one_sided; }  // triangles (kOneSidedTriangle)
@@ -109,6 +110,7 @@ class Geometry {
   double build_seconds() const { return shares_bvh_ ? 0 : embree_->build_seconds(); }
 
  private:
+  const glm::vec3 origin_;
   const GeometryTables tables_;
   const OpacityView opacity_;
   const bool shares_bvh_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 
@@ -58,6 +59,8 @@ struct ReadOptions {
   // One of the scenes of a file and of the variants of its materials, by name; a scene also by its
   // place in the file. Empty: the file's defaults.
   std::string scene, variant;
+  // The place of the file's world that becomes Scene::origin. ReadScene chooses it.
+  glm::dvec3 origin{0.0};
 };
 
 inline constexpr double kDefaultFps = 24;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -34,7 +36,7 @@ std::string LowerCaseEnding(std::filesystem::path path) {
 
 Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   PlyReport report;
-  Mesh mesh = ReadPlyPoints(path, &report);
+  Mesh mesh = ReadPlyPoints(path, &report, options.origin);
   if (mesh.triangles.empty() && !options.point_size) {
     throw InputError(
         InputPosition::File(path),
@@ -81,10 +83,34 @@ constexpr SceneFormat kFormats[] = {
     {".glb", ReadGltf},  {".ply", ReadPlyScene},
 };
 
+// Returns the middle of a scene that is so far from (0, 0, 0) that the places of floats are seen:
+// at a hundred times its size they are 6 * 10^-6 of it apart.
+std::optional<glm::dvec3> FarMiddle(const Scene& scene) {
+  constexpr double kFar = 100;
+  const Bounds bounds = scene.first_bounds.value_or(TriangleBounds(scene));
+  if (IsEmpty(bounds)) return std::nullopt;
+  const glm::dvec3 low(bounds.low), high(bounds.high), middle = 0.5 * (low + high);
+  const double distance = glm::length(middle);
+  if (!std::isfinite(distance) || distance <= kFar * glm::length(high - low)) return std::nullopt;
+  return middle;
+}
+
+// A scene that turns out to be far away is read again, about its middle.
+Scene ReadAboutItsMiddle(const SceneFormat& format, const std::string& path, ReadOptions options) {
+  Scene scene = format.read(path, options);
+  if (const auto middle = FarMiddle(scene)) {
+    options.origin = *middle;
+    scene = {};
+    scene = format.read(path, options);
+    scene.origin = *middle;
+  }
+  return scene;
+}
+
 Scene ReadByEnding(const std::string& path, const ReadOptions& options) {
   const std::string ending = LowerCaseEnding(path);
   for (const SceneFormat& format : kFormats) {
-    if (format.ending == ending) return format.read(path, options);
+    if (format.ending == ending) return ReadAboutItsMiddle(format, path, options);
   }
   throw InputError(InputPosition::File(path),
                    fmt::format("scenes end in {}, not in '{}'", SceneEndings(), ending));

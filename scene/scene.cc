@@ -31,6 +31,14 @@ Bounds MeshBounds(const std::vector<Mesh>& meshes) {
 
 bool IsEmpty(const Bounds& bounds) { return bounds.low.x > bounds.high.x; }
 
+glm::vec3 PlaceInScene(const Scene& scene, const glm::dvec3& in_world) {
+  return in_world - scene.origin;
+}
+
+Bounds BoundsInWorld(const Scene& scene, const Bounds& box) {
+  return {scene.origin + glm::dvec3(box.low), scene.origin + glm::dvec3(box.high)};
+}
+
 Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box) {
   Bounds moved = kNoBounds;
   for (int corner = 0; corner < 8; ++corner) {

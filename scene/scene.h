@@ -183,6 +183,9 @@ struct Bounds {
 };
 
 struct Scene {
+  // The place of the file's world that is (0, 0, 0) here, because floats are coarse far from there.
+  // What users see or give has the coordinates of the file.
+  glm::dvec3 origin{0.0};
   std::vector<Mesh> meshes;
   std::vector<Object> objects;
   std::vector<Instance> instances;
@@ -216,6 +219,10 @@ struct Scene {
 // Return whether some material is a catcher, or a holdout.
 bool HasCatchers(const Scene& scene);
 bool HasHoldouts(const Scene& scene);
+
+// Returns where a place of the file's world is in the scene, and a box of the scene in that world.
+glm::vec3 PlaceInScene(const Scene& scene, const glm::dvec3& in_world);
+Bounds BoundsInWorld(const Scene& scene, const Bounds& box);
 
 // Returns the box around `box` after the affine `to`.
 Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box);

@@ -109,6 +109,7 @@ void AddLight(const PunctualLight& light, Hash& hash) {
 
 SceneHashContent::SceneHashContent(const Scene& scene) {
   const auto hash = std::make_shared<Hash>();
+  if (scene.origin != glm::dvec3(0)) hash->Add(scene.origin);
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh, *hash);
   for (const Object& object : scene.objects) {
     hash->Add(std::uint64_t{object.meshes.size()});

@@ -53,9 +53,11 @@ glm::dmat4 LocalTransform(const tinygltf::Node& node, const GltfPose& pose) {
   return matrix;
 }
 
-// Returns world from node for all nodes. Those that are their own ancestors get any transform.
+// Returns scene from node for all nodes, whose world has its `origin` at (0, 0, 0) of the scene.
+// Those that are their own ancestors get any transform.
 std::vector<glm::dmat4> WorldTransforms(const tinygltf::Model& model,
-                                        const std::vector<GltfPose>& poses) {
+                                        const std::vector<GltfPose>& poses,
+                                        const glm::dvec3& origin) {
   const std::size_t count = model.nodes.size();
   std::vector<glm::dmat4> worlds(count);
   std::vector<bool> is_child(count), done(count);
@@ -79,6 +81,7 @@ std::vector<glm::dmat4> WorldTransforms(const tinygltf::Model& model,
       open.push_back(child);
     }
   }
+  for (glm::dmat4& world : worlds) world[3] -= glm::dvec4(origin, 0);
   return worlds;
 }
 
@@ -193,7 +196,7 @@ class MeshAdder {
             Scene& scene, Warnings& warnings)
       : model_(model),
         poses_(poses),
-        worlds_(WorldTransforms(model, poses)),
+        worlds_(WorldTransforms(model, poses, options.origin)),
         materials_(materials),
         path_(path),
         options_(options),

@@ -37,7 +37,7 @@ void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& word
 }
 
 // Returns a number, which may be infinite, or nothing if the word is none.
-std::optional<float> NumberOf(std::string_view word) {
+std::optional<double> NumberOf(std::string_view word) {
   std::string_view digits = word;
   if (digits.starts_with('+')) digits.remove_prefix(1);
   double value = 0;
@@ -45,9 +45,9 @@ std::optional<float> NumberOf(std::string_view word) {
   if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) {
     return std::nullopt;
   }
-  if (error == std::errc()) return static_cast<float>(value);
+  if (error == std::errc()) return value;
   const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
-  return tiny ? 0 : std::numeric_limits<float>::infinity();
+  return tiny ? 0 : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -114,16 +114,16 @@ bool IsObjNumberNotFinite(std::string_view word) {
   const std::string_view unsigned_word =
       word.substr(std::min(word.find_first_not_of("+-"), word.size()));
   if (unsigned_word.starts_with("1.#")) return true;
-  const std::optional<float> number = NumberOf(word);
-  return number && !std::isfinite(*number);
+  const std::optional<double> number = NumberOf(word);
+  return number && !std::isfinite(float(*number));
 }
 
-float ParseObjNumber(const ObjLines& lines, std::string_view word) {
-  const std::optional<float> number = NumberOf(word);
+double ParseObjNumber(const ObjLines& lines, std::string_view word) {
+  const std::optional<double> number = NumberOf(word);
   if (!number) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is not a number", word.substr(0, 40)));
   }
-  if (!std::isfinite(*number)) {
+  if (!std::isfinite(float(*number))) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is not finite", word.substr(0, 40)));
   }
   return *number;
@@ -134,7 +134,9 @@ std::vector<float> ParseObjNumbers(const ObjLines& lines,
                                    std::size_t most) {
   CheckCount(lines, words, least, most);
   std::vector<float> numbers;
-  for (std::size_t i = 1; i < words.size(); ++i) numbers.push_back(ParseObjNumber(lines, words[i]));
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    numbers.push_back(float(ParseObjNumber(lines, words[i])));
+  }
   return numbers;
 }
 

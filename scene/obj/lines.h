@@ -38,8 +38,9 @@ InputPosition PositionOf(const ObjLines& lines);
 
 // Returns whether a word is a number that is not finite: "nan", "-inf", "1e39" or "1.#QNAN".
 bool IsObjNumberNotFinite(std::string_view word);
-// Returns a finite float, 0 for one that is too small; throws InputError otherwise.
-float ParseObjNumber(const ObjLines& lines, std::string_view word);
+// Returns a number that is finite as a float, 0 for one that is too small; throws InputError
+// otherwise.
+double ParseObjNumber(const ObjLines& lines, std::string_view word);
 
 // Returns words[1], words[2], ... as numbers. Throws InputError unless there are `least` to `most`
 // of them.

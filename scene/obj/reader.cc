@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -104,6 +105,27 @@ UsedMaterials FindUsedMaterials(const ObjStatements& statements, const std::stri
   return used;
 }
 
+// Moves all positions, so that `origin` is at (0, 0, 0), before tinyobjloader makes floats of them.
+void MoveObjPositions(ObjLines& lines, const glm::dvec3& origin) {
+  if (origin == glm::dvec3(0)) return;
+  std::string moved;
+  std::size_t done = 0;
+  std::vector<std::string_view> words;
+  lines.next = lines.joins_read = 0, lines.next_line = 1;
+  while (NextStatement(lines, words)) {
+    if (words[0] != "v") continue;
+    const auto begin = std::size_t(words[1].data() - lines.text.data());
+    const auto end = std::size_t(words[3].data() + words[3].size() - lines.text.data());
+    moved.append(lines.text, done, begin - done);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double place = ParseObjNumber(lines, words[std::size_t(axis + 1)]) - origin[axis];
+      fmt::format_to(std::back_inserter(moved), "{}{}", axis == 0 ? "" : " ", float(place));
+    }
+    done = end;
+  }
+  lines.text = moved.append(lines.text, done);
+}
+
 }  // namespace
 
 Scene ParseObj(std::string text, const std::string& path, const ReadOptions& options) {
@@ -112,6 +134,7 @@ Scene ParseObj(std::string text, const std::string& path, const ReadOptions& opt
   scene.materials.push_back({.name = "default"});
   ObjLines lines = MakeObjLines(std::move(text), path);
   const ObjStatements statements = CheckObj(lines, warnings);
+  MoveObjPositions(lines, options.origin);
   const auto known = ReadLibraries(statements, path, scene, warnings);
   UsedMaterials materials = FindUsedMaterials(statements, path, known, warnings);
 

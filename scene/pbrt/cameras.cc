@@ -140,8 +140,10 @@ void ReadPbrtCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
                                  flaw->what, flaw->directive, ToString(flaw->position)));
   }
   Camera camera;
-  camera.world_from_camera = glm::inverse(reader.state.to_world);
-  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
+  const glm::dmat4 world_from_camera = glm::inverse(reader.state.to_world);
+  reader.coordinate_systems["camera"] = world_from_camera;
+  camera.world_from_camera = world_from_camera;
+  camera.world_from_camera[3] = glm::vec4(ScenePlace(reader, glm::dvec3(world_from_camera[3])), 1);
   if (type == "spherical" || type == "environment") {
     ReadSphericalCamera(reader, parameters, type == "spherical", camera);
   } else if (type == "orthographic") {

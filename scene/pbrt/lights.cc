@@ -91,7 +91,7 @@ void PointLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kPoint};
   light.emission = Emission(reader, parameters, "I");
   if (const auto power = Strength(parameters, "power")) light.emission *= *power / (4 * kPi);
-  light.position = glm::vec3(FindPoint(reader, parameters, "from", {0, 0, 0}));
+  light.position = ScenePlace(reader, FindPoint(reader, parameters, "from", {0, 0, 0}));
   reader.scene.lights.push_back(light);
 }
 
@@ -100,7 +100,7 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   light.emission = Emission(reader, parameters, "I");
   const glm::dvec3 from = FindPoint(reader, parameters, "from", {0, 0, 0});
   const glm::dvec3 to = FindPoint(reader, parameters, "to", {0, 0, 1});
-  light.position = glm::vec3(from);
+  light.position = ScenePlace(reader, from);
   light.direction = Direction(parameters, from, to);
   const float cone = FindFloat(parameters, "coneangle").value_or(30);
   const float full = cone - FindFloat(parameters, "conedeltaangle").value_or(5);
@@ -146,7 +146,7 @@ void SetPower(PbrtParameters& parameters, double per_unit, PunctualLight& light)
 void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
-  light.position = glm::vec3(reader.state.to_world[3]);
+  light.position = ScenePlace(reader, glm::dvec3(reader.state.to_world[3]));
   const PbrtSphereImage sphere =
       SphereImageOf(reader, parameters, FindPbrtLightImage(reader, parameters));
   SetPower(parameters, 4 * kPi * sphere.mean, light);
@@ -162,7 +162,7 @@ void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
 void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
-  light.position = glm::vec3(reader.state.to_world[3]);
+  light.position = ScenePlace(reader, glm::dvec3(reader.state.to_world[3]));
   const auto [index, v4] = FindPbrtLightImage(reader, parameters);
   const float fov = FindFloat(parameters, "fov").value_or(v4 ? 90.0f : 45.0f);
   if (!(fov > 0 && fov < 180)) {
@@ -233,7 +233,7 @@ void Portals(PbrtReader& reader, PbrtParameters& parameters) {
     std::array<glm::vec3, 4> corners;
     for (std::size_t k = 0; k < 4; ++k) {
       const float* p = &found->floats[i + 3 * k];
-      corners[k] = {p[0], p[1], p[2]};
+      corners[k] = ScenePlace(reader, glm::dvec3(p[0], p[1], p[2]));
     }
     try {
       reader.scene.portals.push_back(PortalOfCorners(corners));

@@ -41,6 +41,7 @@ using TexelValue = std::function<glm::vec3(const SurfaceTexel&)>;
 struct BakedMesh {
   const Mesh& mesh;
   bool round;                          // it stands for a round shape, or else for itself
+  glm::dvec3 origin;                   // the place in the file's world of (0, 0, 0) of the mesh
   std::span<const glm::vec2> own_uvs;  // empty: those of pbrt's triangles without any
 };
 
@@ -84,6 +85,7 @@ void BakeTriangle(const BakedMesh& baked, const glm::uvec3& t, const TexelValue&
       const glm::dvec3 weights(1 - b.x - b.y, b.x, b.y);
       glm::dvec3 normal(0);
       texel.point = {};
+      texel.point.place = baked.origin;
       for (int i = 0; i < 3; ++i) {
         texel.point.place += weights[i] * p[i];
         texel.point.uv += weights[i] * own[std::size_t(i)];
@@ -106,7 +108,8 @@ void BakeTriangle(const BakedMesh& baked, const glm::uvec3& t, const TexelValue&
 }
 
 // (u, v) of the shape cover the unit square, except for slivers at poles.
-Image BakePatch(const Mesh& mesh, const TexelValue& value) {
+Image BakePatch(const BakedMesh& baked, const TexelValue& value) {
+  const Mesh& mesh = baked.mesh;
   Image image(kPatchWidth, kPatchHeight);
   std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
   const glm::ivec2 size(image.width, image.height);
@@ -118,7 +121,7 @@ Image BakePatch(const Mesh& mesh, const TexelValue& value) {
     }
     const glm::ivec2 begin = glm::max(glm::ivec2(glm::floor(low * glm::dvec2(size))) - 1, 0);
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high * glm::dvec2(size))) + 1, size);
-    BakeTriangle({mesh, /*round=*/true, mesh.uvs}, t, value, -1e-6, begin, end, image, &done);
+    BakeTriangle(baked, t, value, -1e-6, begin, end, image, &done);
   }
   // A texel that no triangle has gets the value of the one before it in its row.
   for (int y = 0; y < image.height; ++y) {
@@ -145,14 +148,13 @@ std::vector<glm::vec2> UvsOfCorners(const Mesh& mesh) {
   return uvs;
 }
 
-Image BakeAtlas(const Mesh& mesh, std::span<const glm::vec2> own_uvs, const TriangleAtlas& atlas,
-                const TexelValue& value) {
+Image BakeAtlas(const BakedMesh& baked, const TriangleAtlas& atlas, const TexelValue& value) {
   Image image(atlas.size.x, atlas.size.y);
-  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+  tbb::parallel_for(std::size_t{0}, baked.mesh.triangles.size(), [&](std::size_t t) {
     const AtlasSquare& square = atlas.squares[t];
     // A bilinear lookup reads texels one step beyond the slanted edge, not two.
     const double least = -1.5 / (square.side - 1);
-    BakeTriangle({mesh, /*round=*/false, own_uvs}, mesh.triangles[t], value, least, square.corner,
+    BakeTriangle(baked, baked.mesh.triangles[t], value, least, square.corner,
                  square.corner + square.side, image, nullptr);
   });
   return image;
@@ -310,6 +312,10 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
   const std::size_t texels = images * std::size_t(size.x) * std::size_t(size.y);
   std::optional<Bake> bake;
   const std::vector<glm::vec2> own_uvs = patch ? mesh.uvs : UvsOfCorners(mesh);
+  const BakedMesh baked = {.mesh = mesh,
+                           .round = patch,
+                           .origin = reader.in_object ? glm::dvec3(0) : reader.options.origin,
+                           .own_uvs = own_uvs};
   if (texels == 0 || texels > left) {
     AddWarning(
         reader.warnings, shape.position,
@@ -318,11 +324,10 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
   } else {
     reader.baked_texels += texels;
     if (patch) {
-      bake = {[&](const TexelValue& value) { return BakePatch(mesh, value); }, false};
+      bake = {[&](const TexelValue& value) { return BakePatch(baked, value); }, false};
     } else {
       LayOutTriangles(atlas, mesh);
-      bake = {[&](const TexelValue& value) { return BakeAtlas(mesh, own_uvs, atlas, value); },
-              true};
+      bake = {[&](const TexelValue& value) { return BakeAtlas(baked, atlas, value); }, true};
     }
   }
   std::map<std::uint32_t, std::uint32_t> copies;

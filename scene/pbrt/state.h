@@ -147,6 +147,18 @@ struct PbrtReader {
   std::map<std::pair<std::uint32_t, bool>, PbrtSphereImage> sphere_images;
 };
 
+// Returns a place of the file's world as one of the scene (Scene::origin).
+inline glm::vec3 ScenePlace(const PbrtReader& reader, const glm::dvec3& in_world) {
+  return in_world - reader.options.origin;
+}
+// Returns the current transform to where shapes and instances stand: in the scene, or for shapes of
+// an object in its own space, which is the file's world.
+inline glm::dmat4 PlacementOf(const PbrtReader& reader) {
+  glm::dmat4 placement = reader.state.to_world;
+  if (!reader.in_object) placement[3] -= glm::dvec4(reader.options.origin, 0);
+  return placement;
+}
+
 // Returns the parameters that follow a directive, and those that Attribute gives to its kind unless
 // the directive overrides them.
 PbrtParameters ReadParametersAndAttributes(PbrtReader& reader, PbrtSource& source,

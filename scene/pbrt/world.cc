@@ -121,7 +121,7 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   }
   if (reader.in_object) throw InputError(position, "ObjectInstance inside an object");
   if (!CanPlace(reader, position, "an ObjectInstance")) return;
-  AddInstance(reader, position, object->second, reader.state.to_world);
+  AddInstance(reader, position, object->second, PlacementOf(reader));
 }
 
 // Returns true if the material, or one that it is mixed of, depends on (u, v): it has a texture, or
@@ -180,7 +180,7 @@ void PlaceRoundShape(PbrtReader& reader, PbrtParameters& parameters, const std::
   }
   if (!CanPlace(reader, parameters.position, parameters.directive)) return;
   const auto [object, extent] = found->second;
-  const glm::dmat4 to_world = glm::scale(reader.state.to_world, glm::dvec3(double(scale)));
+  const glm::dmat4 to_world = glm::scale(PlacementOf(reader), glm::dvec3(double(scale)));
   for (int axis = 0; axis < 3; ++axis) {
     const double reach =
         (std::abs(to_world[0][axis]) + std::abs(to_world[1][axis]) + std::abs(to_world[2][axis])) *
@@ -229,7 +229,7 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     return;
   }
   if (!CanPlace(reader, position, parameters.directive)) return;
-  TransformMesh(reader.state.to_world, mesh);
+  TransformMesh(PlacementOf(reader), mesh);
   CheckMesh(reader, position, mesh);
   if (flipped) FlipOrientation(mesh);
   if (varies && !mesh.triangles.empty()) {

@@ -166,7 +166,8 @@ double MostOfColor(PlyType type) {
   return PlyTypeSize(type) == 1 ? 255 : PlyTypeSize(type) == 2 ? 65535 : 4294967295.0;
 }
 
-void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& report) {
+void ReadVertices(Data& data, const PlyElement& element, const glm::dvec3& origin, Mesh& mesh,
+                  PlyReport& report) {
   std::vector<int> slots;
   std::array<int, kSlots> uses{};
   for (const PlyProperty& property : element.properties) {
@@ -193,9 +194,10 @@ void ReadVertices(Data& data, const PlyElement& element, Mesh& mesh, PlyReport& 
         continue;
       }
       const PlyType type = element.properties[p].type;
-      const bool of_color = slots[p] >= 8;
-      const auto value =
-          static_cast<float>(ReadValue(data, type) / (of_color ? MostOfColor(type) : 1.0));
+      const bool of_position = slots[p] < 3, of_color = slots[p] >= 8;
+      const double start = of_position ? origin[slots[p]] : 0.0;
+      const auto value = static_cast<float>((ReadValue(data, type) - start) /
+                                            (of_color ? MostOfColor(type) : 1.0));
       if (!std::isfinite(value) && IsOfNormal(slots[p])) {
         has_normal = false;
       } else if (!std::isfinite(value)) {
@@ -351,7 +353,8 @@ const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
   return found;
 }
 
-Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces, PlyReport* report) {
+Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces,
+           const glm::dvec3& origin, PlyReport* report) {
   PlyReport found;
   const PlyHeader header = ParsePlyHeader(bytes, path);
   const PlyElement* vertices = FindElement(header, "vertex", path);
@@ -366,7 +369,7 @@ Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces, Pl
   std::vector<glm::vec2> corner_uvs;
   for (const PlyElement& element : header.elements) {
     if (&element == vertices) {
-      ReadVertices(data, element, mesh, found);
+      ReadVertices(data, element, origin, mesh, found);
     } else if (&element == faces) {
       ReadFaces(data, element, vertices->count, mesh, found, corner_uvs);
     } else if (&element == strips) {
@@ -392,15 +395,16 @@ Mesh Parse(std::string_view bytes, const std::string& path, bool needs_faces, Pl
 }  // namespace
 
 Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report) {
-  return Parse(bytes, path, /*needs_faces=*/true, report);
+  return Parse(bytes, path, /*needs_faces=*/true, glm::dvec3(0), report);
 }
 
-Mesh ParsePlyPoints(std::string_view bytes, const std::string& path, PlyReport* report) {
-  return Parse(bytes, path, /*needs_faces=*/false, report);
+Mesh ParsePlyPoints(std::string_view bytes, const std::string& path, PlyReport* report,
+                    const glm::dvec3& origin) {
+  return Parse(bytes, path, /*needs_faces=*/false, origin, report);
 }
 
-Mesh ReadPlyPoints(const std::string& path, PlyReport* report) {
-  return ParsePlyPoints(Gunzip(ReadFile(path), path), path, report);
+Mesh ReadPlyPoints(const std::string& path, PlyReport* report, const glm::dvec3& origin) {
+  return ParsePlyPoints(Gunzip(ReadFile(path), path), path, report, origin);
 }
 
 Mesh ReadPly(const std::string& path, PlyReport* report) {

@@ -35,12 +35,13 @@ struct PlyReport {
 // gets that of the faces around it. Never allocates more than a small multiple of the file's size.
 // Winding follows the normals if there are any. The file may be gzip-compressed.
 Mesh ReadPly(const std::string& path, PlyReport* report = nullptr);
-// The same of a file that may have vertices alone.
-Mesh ReadPlyPoints(const std::string& path, PlyReport* report);
+// The same of a file that may have vertices alone, about the place `origin` of its space.
+Mesh ReadPlyPoints(const std::string& path, PlyReport* report, const glm::dvec3& origin);
 
 // Parse the same from memory; `path` appears in messages.
 Mesh ParsePly(std::string_view bytes, const std::string& path, PlyReport* report = nullptr);
-Mesh ParsePlyPoints(std::string_view bytes, const std::string& path, PlyReport* report);
+Mesh ParsePlyPoints(std::string_view bytes, const std::string& path, PlyReport* report,
+                    const glm::dvec3& origin);
 
 // Warns of what was not taken as the file has it.
 void WarnOfPly(const PlyReport& report, const InputPosition& position, Warnings& warnings);

@@ -205,6 +205,25 @@ class SceneTest(Case):
         self.assertEqual(scene.triangles, 12)
         self.assertIn("12", repr(scene))
 
+    def test_places_are_those_of_a_file_that_is_far_away(self):
+        pictures = []
+        pyramid = numpy.round(VERTICES * 4) / 4  # exact as floats, also far away
+        for at in (numpy.zeros(3), numpy.array([16384.0, -8192.0, 32768.0])):
+            write_obj("mesh.obj", pyramid + at)
+            scene = skywave.Scene("mesh.obj")
+            scene.add_mesh((pyramid + at + [2.25, 0, 0]).astype(numpy.float32), FACES)
+            blob = scene.add_object()
+            scene.add_mesh(pyramid / 4, FACES, object=blob)
+            scene.add_instances(blob, [numpy.block([[numpy.eye(3), (at + [0, 2, 0])[:, None]],
+                                                    [numpy.zeros((1, 3)), 1]])])
+            scene.add_points(numpy.float32([at + [-2, 1, 0]]), 0.5)
+            scene.add_point_light(at + [1, 3, 2], 5)
+            scene.add_spot_light(at + [-1, 3, 2], (0, -1, -0.5), 5, 20, 40)
+            scene.set_camera(at + [1, 3, 7], at + [1, 0.5, 0])
+            pictures.append(render(scene))
+        self.assertLess(numpy.abs(pictures[0] - pictures[1]).max(), 1e-3 * pictures[0].max())
+        self.assertGreater(pictures[0].max(), 0.1)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -25,13 +25,18 @@ void ReadShadingNormal(const FirstSurfaces& first, const AovColumns& out) {
   Copy(s.ns_x, s.ns_y, s.ns_z, first.count, out);
 }
 
-void ReadPosition(const FirstSurfaces& first, const AovColumns& out) {
+// Reads where the surfaces are, from the place `from` of the scene.
+void ReadPlaces(const FirstSurfaces& first, const glm::vec3& from, const AovColumns& out) {
   const SurfaceColumns& s = first.surfaces;
   for (std::uint32_t i = 0; i < first.count; ++i) {
-    out[0][i] = s.org_x[i] - s.ng_x[i] * s.lift[i];
-    out[1][i] = s.org_y[i] - s.ng_y[i] * s.lift[i];
-    out[2][i] = s.org_z[i] - s.ng_z[i] * s.lift[i];
+    out[0][i] = s.org_x[i] - s.ng_x[i] * s.lift[i] - from.x;
+    out[1][i] = s.org_y[i] - s.ng_y[i] * s.lift[i] - from.y;
+    out[2][i] = s.org_z[i] - s.ng_z[i] * s.lift[i] - from.z;
   }
+}
+
+void ReadPosition(const FirstSurfaces& first, const AovColumns& out) {
+  ReadPlaces(first, -first.geometry.origin(), out);
 }
 
 // Depth is along the axis for cameras with a plane film, else along the ray, as in Blender.
@@ -44,11 +49,9 @@ void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
   }
   const float* const f = camera.forward;
   const float scale = 1 / std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  ReadPosition(first, out);
+  ReadPlaces(first, glm::vec3(camera.origin[0], camera.origin[1], camera.origin[2]), out);
   for (std::uint32_t i = 0; i < first.count; ++i) {
-    out[0][i] =
-        scale * ((out[0][i] - camera.origin[0]) * f[0] + (out[1][i] - camera.origin[1]) * f[1] +
-                 (out[2][i] - camera.origin[2]) * f[2]);
+    out[0][i] = scale * (out[0][i] * f[0] + out[1][i] * f[1] + out[2][i] * f[2]);
   }
 }
 
