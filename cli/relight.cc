@@ -1,9 +1,13 @@
 // Implements skywave relight: a picture by other weights of its lights.
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <utility>
 
 #include "base/arena.h"
 #include "base/error.h"
@@ -11,6 +15,7 @@
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/print.h"
+#include "cli/progress.h"
 #include "job/exposure.h"
 #include "job/map_sequence.h"
 #include "job/relight.h"
@@ -25,14 +30,14 @@ struct RelightFlags {
   ExrFormat format;
   ReadLimits limits;
   int threads = 0;
-  bool quiet = false;
+  ProgressFlags progress;
 };
 
-// Returns the picture with other weights.
-Picture RelitPicture(const LitPicture& lit, const std::vector<LightWeight>& weights,
+// Returns the picture with other weights, by which it looks like `relit`.
+Picture RelitPicture(const LitPicture& lit, Image relit, const std::vector<LightWeight>& weights,
                      const RelightFlags& flags) {
   Picture picture = lit.picture;
-  picture.image = Relit(lit, weights);
+  picture.image = std::move(relit);
   std::string words;
   for (const LightWeight& weight : weights) {
     words += (words.empty() ? "" : ",") + LightWeights().print(weight);
@@ -46,20 +51,34 @@ Picture RelitPicture(const LitPicture& lit, const std::vector<LightWeight>& weig
   return picture;
 }
 
+// Writes a picture for each row of the table, some at the same time: files take longer than sums.
+void RelightByTable(const LitPicture& lit, const RelightFlags& flags) {
+  constexpr std::size_t kAtOnce = 8;
+  const auto rows = ReadWeightTable(flags.table);
+  ProgressDisplay progress(flags.progress);
+  progress.Begin(flags.output, 0);
+  for (std::size_t begin = 0; begin < rows.size(); begin += kAtOnce) {
+    const auto some = std::span(rows).subspan(begin, std::min(kAtOnce, rows.size() - begin));
+    std::vector<Image> relit = RelitAll(lit, some);
+    tbb::parallel_for(std::size_t{0}, some.size(), [&](std::size_t i) {
+      WriteExrAndPng(NumberedFile(flags.output, std::int64_t(begin + i)),
+                     RelitPicture(lit, std::move(relit[i]), some[i], flags));
+    });
+    progress.Show(double(begin + some.size()) / double(rows.size()));
+  }
+  progress.End();
+}
+
 void RelightAll(const RelightFlags& flags) {
   const LitPicture lit = ReadLitPicture(flags.input, flags.limits);
-  if (flags.table.empty()) {
-    const Picture picture = RelitPicture(lit, flags.weights, flags);
-    WriteExrAndPng(flags.output, picture);
-    for (const std::string& note : picture.notes) {
-      if (!flags.quiet) Print(stderr, "note: {}\n", SpellFlags(note));
-    }
+  if (!flags.table.empty()) {
+    RelightByTable(lit, flags);
     return;
   }
-  const auto rows = ReadWeightTable(flags.table);
-  Relit(lit, rows.front());  // throws for a name that is not there, which all rows have
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    WriteExrAndPng(NumberedFile(flags.output, std::int64_t(i)), RelitPicture(lit, rows[i], flags));
+  const Picture picture = RelitPicture(lit, Relit(lit, flags.weights), flags.weights, flags);
+  WriteExrAndPng(flags.output, picture);
+  for (const std::string& note : picture.notes) {
+    if (!flags.progress.quiet) Print(stderr, "note: {}\n", SpellFlags(note));
   }
 }
 
@@ -76,7 +95,8 @@ int RelightMain(const RelightFlags& flags) {
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)},
                std::array{flags.input, flags.table});
   ArenaOf(flags.threads).execute([&] { RelightAll(flags); });
-  if (!flags.quiet) Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
+  if (!flags.progress.quiet)
+    Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
   return 0;
 }
 
@@ -91,7 +111,8 @@ std::vector<OptionOf<RelightFlags>> RelightOptions() {
     option({.name = "sky", .help = "CSV of weights, whose first row names groups: each row is a picture", .scope = OptionScope::kInput, .excludes = "weights"}, FIELD(table), Texts("CSV")),
     option({.name = "threads", .help = "0: as many as the process may use", .scope = OptionScope::kSpeed}, FIELD(threads), skywave::Numbers(0, 4096)),
     option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
-    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
+    ProgressOption<RelightFlags>(),
   };
   // clang-format on
 }

@@ -1,7 +1,6 @@
 #include "job/relight.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <charconv>
@@ -15,6 +14,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/nearest_name.h"
+#include "image/weighted_sums.h"
 #include "job/film_file.h"
 
 namespace skywave {
@@ -94,6 +94,23 @@ LitPicture ByLights(Picture picture) {
   return lit;
 }
 
+using Factors = std::vector<std::array<float, 3>>;  // of each group
+
+Factors FactorsOf(const LitPicture& lit, const std::vector<LightWeight>& weights) {
+  Factors factors(lit.groups.size(), {1, 1, 1});
+  for (const LightWeight& weight : weights) {
+    const auto found = std::find(lit.groups.begin(), lit.groups.end(), weight.group);
+    if (found == lit.groups.end()) {
+      throw OptionError(
+          "weights", weight.group,
+          fmt::format("there is no such group of lights; there are {}",
+                      NearestFirst(weight.group, {lit.groups.begin(), lit.groups.end()})));
+    }
+    factors[std::size_t(found - lit.groups.begin())] = weight.factor;
+  }
+  return factors;
+}
+
 // Throws unless the groups add up to the picture.
 void CheckSum(const std::string& path, const LitPicture& lit) {
   constexpr double kRounding = 2e-3;  // of 16-bit floats
@@ -147,30 +164,13 @@ LitPicture ReadLitPicture(const std::string& path, const ReadLimits& limits) {
 }
 
 Image Relit(const LitPicture& lit, const std::vector<LightWeight>& weights) {
-  std::vector<std::array<float, 3>> factors(lit.groups.size(), {1, 1, 1});
-  for (const LightWeight& weight : weights) {
-    const auto found = std::find(lit.groups.begin(), lit.groups.end(), weight.group);
-    if (found == lit.groups.end()) {
-      throw OptionError(
-          "weights", weight.group,
-          fmt::format("there is no such group of lights; there are {}",
-                      NearestFirst(weight.group, {lit.groups.begin(), lit.groups.end()})));
-    }
-    factors[std::size_t(found - lit.groups.begin())] = weight.factor;
-  }
-  const Image& as_rendered = lit.picture.image;
-  Image image(as_rendered.width, as_rendered.height);
-  const std::size_t row = 3 * std::size_t(image.width);
-  tbb::parallel_for(std::size_t{0}, std::size_t(image.height), [&](std::size_t y) {
-    std::vector<double> sums(row);
-    for (std::size_t group = 0; group < factors.size(); ++group) {
-      const float* const light = &lit.lights[group].rgb[y * row];
-      for (std::size_t i = 0; i < row; ++i) sums[i] += double(factors[group][i % 3]) * light[i];
-    }
-    std::transform(sums.begin(), sums.end(), image.rgb.begin() + std::ptrdiff_t(y * row),
-                   [](double sum) { return float(sum); });
-  });
-  return image;
+  return std::move(RelitAll(lit, {&weights, 1}).front());
+}
+
+std::vector<Image> RelitAll(const LitPicture& lit, std::span<const std::vector<LightWeight>> rows) {
+  std::vector<Factors> factors;
+  for (const std::vector<LightWeight>& weights : rows) factors.push_back(FactorsOf(lit, weights));
+  return WeightedSums(lit.lights, factors);
 }
 
 std::vector<std::vector<LightWeight>> ReadWeightTable(const std::string& path) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ LitPicture ReadLitPicture(const std::string& path, const ReadLimits& limits);
 // Returns the picture with these weights; groups without one have 1. Throws OptionError of
 // `weights` for a group that is not there, with the nearest ones.
 Image Relit(const LitPicture& lit, const std::vector<LightWeight>& weights);
+// Returns the same for each of `rows`, faster than one after the other.
+std::vector<Image> RelitAll(const LitPicture& lit, std::span<const std::vector<LightWeight>> rows);
 
 // Reads a table of weights, one picture a row: CSV whose first row names groups, each of them alone
 // or three times, with .r, .g and .b. Throws InputError with the line.

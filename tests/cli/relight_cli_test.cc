@@ -102,6 +102,18 @@ TEST_F(RelightCli, MakesAPictureOfEachRowOfATable) {
   EXPECT_FALSE(Files().contains("hour_03.exr"));
 }
 
+// More than are made at the same time.
+TEST_F(RelightCli, MakesPicturesOfLongTablesInTheirOrder) {
+  Put("day.csv", lamp_ + "\n1\n1\n1\n1\n1\n1\n1\n1\n1\n0.5\n");
+  const Result result = Run("relight lamps.exr --sky day.csv -o hour_##.exr --progress json");
+  ASSERT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("\"share\":1.0"), std::string::npos) << result.err;
+  ASSERT_EQ(Run("relight lamps.exr --weights " + lamp_ + "=0.5 -o half.exr -q").exit_code, 0);
+  EXPECT_EQ(Bytes("hour_08.png"), Bytes("lamps.png"));
+  EXPECT_EQ(Bytes("hour_09.png"), Bytes("half.png"));
+  EXPECT_FALSE(Files().contains("hour_10.exr"));
+}
+
 TEST_F(RelightCli, RefusesWhatItCannotDoAndWritesNothing) {
   Put("day.csv", "nobody\n1\n");
   Put("torn.csv", lamp_ + "\n1\nx\n");
