@@ -14,6 +14,6 @@ if ! "$environment/bin/pip" install --quiet --disable-pip-version-check --timeou
   exit 77
 fi
 export PYTHONPATH=$PWD/build/release/python SKYWAVE_PROGRAM=$PWD/build/release/skywave
-for test in packages mattes docs; do
+for test in packages imports mattes docs; do
   "$environment/bin/python" -B -W ignore "tests/python/${test}_test.py"
 done

@@ -22,6 +22,18 @@ _CONTAINED = {"depth": "depth", "distance": "distance", "camera-normal": "normal
               "flow-back": "backward_flow"}
 
 
+def box_of(mask):
+    """Returns (left, top, width, height) [pixels] of what is true in a mask."""
+    y, x = numpy.nonzero(mask)
+    return int(x.min()), int(y.min()), int(numpy.ptp(x)) + 1, int(numpy.ptp(y)) + 1
+
+
+def silhouette_of(picture, numbers):
+    """Returns the mask of objects by their numbers, from 1 on, with what others hide of them."""
+    return (numpy.isin(picture.layers["object-id"], numbers)
+            | numpy.isin(picture.layers["hidden-id"], numbers).any(axis=2))
+
+
 def write_png16(path, values):
     """Writes whole numbers (height, width) of at most 65535 as a grey PNG of 16 bits."""
     values = numpy.asarray(values)
@@ -150,13 +162,14 @@ class Bop:
 
     `folder` gets rgb, depth and mask_visib, and at save() scene_camera.json and scene_gt.json; it
     is made if it is not there. A unit of the scene is `metres` long; depths are in steps of
-    `depth_scale` [mm]. Whole silhouettes (mask) and scene_gt_info.json are made by bop_toolkit.
+    `depth_scale` [mm]. Of pictures with the layer hidden-id it also gets whole silhouettes (mask)
+    and scene_gt_info.json, with boxes and counts of pixels; both end at the edges of the picture.
     """
 
     def __init__(self, folder, *, metres=1.0, depth_scale=0.1):
         self.folder = pathlib.Path(os.fsdecode(_convert.path(folder, "folder")))
         self.millimetres, self.depth_scale = 1000 * metres, depth_scale
-        self.cameras, self.objects = {}, {}
+        self.cameras, self.objects, self.infos = {}, {}, {}
         for name in ("rgb", "depth", "mask_visib"):
             with as_file_error(os.fsencode(self.folder / name)):
                 (self.folder / name).mkdir(parents=True, exist_ok=True)
@@ -186,12 +199,15 @@ class Bop:
             mask = picture.layers["object-id"] == number
             if name in poses and mask.any():
                 kind, world_from_model = poses[name]
-                seen.append((mask, int(kind), camera_from_world @ _pose(world_from_model, name)))
+                seen.append((number, mask, int(kind),
+                             camera_from_world @ _pose(world_from_model, name)))
         image = len(self.cameras)
         picture.save(self.folder / "rgb" / f"{image:06}.png")
         write_png16(self.folder / "depth" / f"{image:06}.png", steps)
-        for i, (mask, _, _) in enumerate(seen):
+        for i, (_, mask, _, _) in enumerate(seen):
             write_mask(self.folder / "mask_visib" / f"{image:06}_{i:06}.png", mask)
+        if "hidden-id" in picture.layers:
+            self._add_silhouettes(image, picture, seen)
         self.cameras[image] = {
             "cam_K": numpy.asarray(camera.K, float).ravel().tolist(),
             "depth_scale": self.depth_scale,
@@ -200,13 +216,29 @@ class Bop:
         self.objects[image] = [
             {"cam_R_m2c": pose[:3, :3].ravel().tolist(),
              "cam_t_m2c": (self.millimetres * pose[:3, 3]).tolist(), "obj_id": kind}
-            for _, kind, pose in seen]
+            for _, _, kind, pose in seen]
         return image
 
+    def _add_silhouettes(self, image, picture, seen):
+        with as_file_error(os.fsencode(self.folder / "mask")):
+            (self.folder / "mask").mkdir(exist_ok=True)
+        self.infos[image] = []
+        for i, (number, visible, _, _) in enumerate(seen):
+            whole = silhouette_of(picture, [number])
+            write_mask(self.folder / "mask" / f"{image:06}_{i:06}.png", whole)
+            self.infos[image].append({
+                "px_count_all": int(whole.sum()), "px_count_visib": int(visible.sum()),
+                "px_count_valid": int((whole & (picture.layers["depth"] < _FAR)).sum()),
+                "visib_fract": float(visible.sum() / whole.sum()),
+                "bbox_obj": box_of(whole), "bbox_visib": box_of(visible)})
+
     def save(self):
-        """Writes scene_camera.json and scene_gt.json."""
+        """Writes scene_camera.json and scene_gt.json, and scene_gt_info.json if there are
+        silhouettes."""
         _write_json(self.folder / "scene_camera.json", self.cameras)
         _write_json(self.folder / "scene_gt.json", self.objects)
+        if self.infos:
+            _write_json(self.folder / "scene_gt_info.json", self.infos)
 
 
 def _pinhole(name, camera):

@@ -16,10 +16,12 @@ import warnings
 import numpy
 
 from . import _convert
+from ._dataset_files import box_of, silhouette_of
 from ._dataset_files import (  # noqa: F401 (offered here)
     Bop, write_colmap, write_depth, write_flow, write_hdf5, write_mask, write_png16,
     write_transforms)
 from ._errors import as_file_error, bad_argument
+
 
 def boxes(ids):
     """Returns (left, top, width, height) [pixels] of what each number but 0 covers, by number."""
@@ -27,9 +29,7 @@ def boxes(ids):
     for number in numpy.unique(ids):
         if number == 0:
             continue
-        y, x = numpy.nonzero(ids == number)
-        left, top = int(x.min()), int(y.min())
-        found[int(number)] = (left, top, int(x.max()) - left + 1, int(y.max()) - top + 1)
+        found[int(number)] = box_of(ids == number)
     return found
 
 
@@ -86,9 +86,39 @@ def object_coordinates(picture, boxes):
     return coordinates
 
 
+def silhouette(picture, name):
+    """Returns the mask (height, width) of an object with what others hide of it, as far as it is in
+    the picture, which has the layers object-id and hidden-id; meshes of one name are one object. A
+    pixel where eight meshes stand one behind the other may miss further ones."""
+    for layer in ("object-id", "hidden-id"):
+        if layer not in picture.layers:
+            raise bad_argument("picture", f"it has no layer {layer}: render with "
+                                          'aovs=["object-id", "hidden-id"]')
+    if name not in picture.object_names:
+        raise bad_argument("name", f"the picture has no object '{name}', but "
+                                   f"{', '.join(picture.object_names)}")
+    return silhouette_of(picture, _numbers(picture, name))
+
+
+def _numbers(picture, name):
+    return [number for number, of in enumerate(picture.object_names, 1) if of == name]
+
+
+def visibility(picture):
+    """Returns the share of its silhouette that is seen of each object in a picture, by name."""
+    shares = {}
+    for name in dict.fromkeys(picture.object_names):
+        whole = silhouette(picture, name).sum()
+        if whole:
+            seen = numpy.isin(picture.layers["object-id"], _numbers(picture, name)).sum()
+            shares[name] = float(seen / whole)
+    return shares
+
+
 class Coco:
     """Collects annotations of pictures in the format of COCO: a box, a mask and an area for each
-    object that a picture shows. The names of the objects go to classes as class_ids says."""
+    object that a picture shows, and its visibility if there is the layer hidden-id. The names of
+    the objects go to classes as class_ids says."""
 
     def __init__(self, classes):
         self.classes = {name: [patterns] if isinstance(patterns, str) else list(patterns)
@@ -117,6 +147,9 @@ class Coco:
                 "category_id": int(classes[number]), "iscrowd": 0, "bbox": list(box),
                 "area": int(mask.sum()), "segmentation": run_lengths(mask),
                 "object": names[number - 1]})
+            if "hidden-id" in picture.layers:
+                whole = silhouette_of(picture, [number]).sum()
+                self.annotations[-1]["visibility"] = float(mask.sum() / whole)
         return len(self.annotations) - before
 
     def save(self, path):

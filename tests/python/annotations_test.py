@@ -161,11 +161,10 @@ class FilesTest(Case):
         row, column = [int(i) for i in numpy.argwhere(mask)[len(numpy.argwhere(mask)) // 2]]
         depth = read_png16(folder / "depth/000000.png")[row][column] * seen["depth_scale"]
         self.assertAlmostEqual(depth, 10 * picture.layers["depth"][row, column], delta=0.051)
-        data = (folder / "mask_visib/000000_000000.png").read_bytes()
-        self.assertEqual(struct.unpack(">IIBB", data[16:26]), (40, 30, 8, 0))
-        raw = zlib.decompress(data[data.index(b"IDAT") + 4:])
-        lines = numpy.frombuffer(raw, numpy.uint8).reshape(30, 41)[:, 1:]
-        numpy.testing.assert_array_equal(lines, numpy.where(mask, 255, 0))
+        path = folder / "mask_visib/000000_000000.png"
+        self.assertEqual(struct.unpack(">IIBB", path.read_bytes()[16:26]), (40, 30, 8, 0))
+        numpy.testing.assert_array_equal(lines_of(path), numpy.where(mask, 255, 0))
+        self.assertFalse((folder / "scene_gt_info.json").exists())
         self.assertTrue((folder / "rgb/000000.png").exists())
         with self.assertRaisesRegex(skywave.Error, "no object 'cup', but plate, chip"):
             bop.add(picture, camera, {"cup": (1, model)})
@@ -185,6 +184,92 @@ class FilesTest(Case):
         pathlib.Path("file").write_text("")
         with self.assertRaisesRegex(skywave.FileError, "file"):
             annotations.Bop("file")
+
+
+def lines_of(path):
+    """Returns the grey PNG of 8 bits that write_mask writes."""
+    data = pathlib.Path(path).read_bytes()
+    width, height = struct.unpack(">II", data[16:24])
+    raw = zlib.decompress(data[data.index(b"IDAT") + 4:])
+    return numpy.frombuffer(raw, numpy.uint8).reshape(height, width + 1)[:, 1:]
+
+
+class SilhouettesTest(Case):
+    LAYERS = ["object-id", "hidden-id", "depth"]
+
+    def setUp(self):
+        super().setUp()
+        # A wall of which a plate hides a part, and a chip behind both that is not seen.
+        self.parts = {"wall": square(-2, -2, 0, 4), "plate": square(0, -1.92, 2, 1.44),
+                      "chip": square(0.1, -1.8, -1, 1.2)}
+        pose = numpy.diag([1.0, -1, -1, 1])
+        pose[2, 3] = 10
+        self.camera = skywave.Camera(numpy.array([[50.0, 0, 19.5], [0, 50, 14.5], [0, 0, 1]]), pose,
+                                     (40, 30))
+
+    def picture(self, *names):
+        scene = skywave.Scene()
+        for name in names:
+            scene.add_mesh(*self.parts[name], name=name)
+        return skywave.render(scene.set_camera(self.camera), sky(), spp=1, filter="box",
+                              aovs=self.LAYERS)
+
+    def test_a_silhouette_is_the_mask_of_the_object_alone(self):
+        picture = self.picture(*self.parts)
+        for name in self.parts:
+            alone = self.picture(name).layers["object-id"] == 1
+            self.assertGreater(alone.sum(), 10)
+            numpy.testing.assert_array_equal(annotations.silhouette(picture, name), alone, name)
+        with self.assertRaisesRegex(skywave.Error, "no object 'cup', but wall, plate, chip"):
+            annotations.silhouette(picture, "cup")
+        with self.assertRaisesRegex(skywave.Error, "no layer hidden-id"):
+            annotations.silhouette(skywave.render("spheres", sky(), spp=1, size=(8, 6),
+                                                  aovs=["object-id"]), "red")
+
+    def test_visibility_is_the_share_of_a_silhouette_that_is_seen(self):
+        picture = self.picture(*self.parts)
+        ids = picture.layers["object-id"]
+        wall = (self.picture("wall").layers["object-id"] == 1).sum()
+        self.assertEqual(annotations.visibility(picture),
+                         {"wall": (ids == 1).sum() / wall, "plate": 1.0, "chip": 0.0})
+        self.assertLess((ids == 1).sum(), wall)
+        coco = annotations.Coco({"thing": "*"})
+        coco.add("a.png", picture)
+        self.assertEqual({a["object"]: a["visibility"] for a in coco.annotations},
+                         {"wall": (ids == 1).sum() / wall, "plate": 1.0})
+
+    def test_meshes_of_one_name_have_one_silhouette(self):
+        left, right = square(-1.5, -1, 0, 1), square(0.5, -1, 0, 1)
+        scene = skywave.Scene().add_mesh(*left, name="pair").add_mesh(*right, name="pair")
+        scene.add_mesh(*square(0.2, -1.6, 2, 1.5), name="plate").set_camera(self.camera)
+        picture = skywave.render(scene, sky(), spp=1, filter="box", aovs=self.LAYERS)
+        pair = skywave.Scene().add_mesh(*left).add_mesh(*right).set_camera(self.camera)
+        alone = skywave.render(pair, sky(), spp=1, filter="box", aovs=self.LAYERS)
+        whole = alone.layers["object-id"] > 0
+        numpy.testing.assert_array_equal(annotations.silhouette(picture, "pair"), whole)
+        ids = picture.layers["object-id"]
+        self.assertEqual(annotations.visibility(picture),
+                         {"pair": ((ids == 1) | (ids == 2)).sum() / whole.sum(), "plate": 1.0})
+        self.assertLess(annotations.visibility(picture)["pair"], 0.9)
+
+    def test_bop_has_silhouettes_and_counts(self):
+        picture = self.picture(*self.parts)
+        bop = annotations.Bop("scene", metres=0.1)
+        bop.add(picture, self.camera, {name: (i, numpy.eye(4)) for i, name in enumerate(self.parts)})
+        bop.save()
+        infos = json.loads(pathlib.Path("scene/scene_gt_info.json").read_text())["0"]
+        self.assertEqual(len(infos), 2)  # the chip is not seen
+        for i, name in enumerate(("wall", "plate")):
+            whole = self.picture(name).layers["object-id"] == 1
+            seen = picture.layers["object-id"] == i + 1
+            y, x = numpy.nonzero(whole)
+            self.assertEqual(infos[i]["bbox_obj"], [x.min(), y.min(), x.max() - x.min() + 1,
+                                                    y.max() - y.min() + 1])
+            self.assertEqual((infos[i]["px_count_all"], infos[i]["px_count_visib"],
+                              infos[i]["px_count_valid"]), (whole.sum(), seen.sum(), whole.sum()))
+            self.assertAlmostEqual(infos[i]["visib_fract"], seen.sum() / whole.sum())
+            numpy.testing.assert_array_equal(lines_of(f"scene/mask/000000_00000{i}.png"),
+                                             numpy.where(whole, 255, 0))
 
 
 class AnnotationsTest(Case):

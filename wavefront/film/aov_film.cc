@@ -216,8 +216,10 @@ void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t 
     ++hits_[pixel[i]];
     nearest[i] = !nearest_.empty() && BecomesNearest(pixel[i], NearnessKey(hits, path));
   }
+  rows.nearest = nearest;
   float columns[kMaxAovChannels][kRows];
-  const AovColumns out = {columns[0], columns[1], columns[2]};
+  AovColumns out;
+  for (std::uint32_t c = 0; c < kMaxAovChannels; ++c) out[c] = columns[c];
   for (HitLayer& layer : layers_) {
     layer.aov->read(rows, out);
     const std::size_t channels = layer.aov->channels.size();

@@ -103,6 +103,10 @@ void ReadFlow(const FirstSurfaces& first, const AovColumns& out) {
            out[0], out[1], out[2]);
 }
 
+void ReadHiddenId(const FirstSurfaces& first, const AovColumns& out) {
+  FindHiddenObjects(*first.tracer, first.geometry, first.surfaces, first.count, first.nearest, out);
+}
+
 constexpr float kFarAway = 1e10f;  // as in Blender
 
 constexpr Aov kAovs[] = {
@@ -180,8 +184,14 @@ constexpr Aov kAovs[] = {
      .help = "the same, to where the previous frame has it",
      .read = ReadFlow<&FrameMotion::previous>,
      .of_motion = true},
+    {.name = "hidden-id",
+     .channels = "1234567",
+     .sum = AovSum::kNearestHit,
+     .help = "numbers of the next meshes behind that of object-id, nearest first; 0: no more",
+     .read = ReadHiddenId,
+     .traces = true},
 };
-static_assert(std::size(kAovs) < 32);
+static_assert(std::size(kAovs) <= 32);
 
 // Returns the lines for which holds(line) is true.
 template <class Predicate>
@@ -210,7 +220,7 @@ std::span<const Aov> Aovs() { return kAovs; }
 
 AovSet AllAovs() {
   return Those([](const Aov& aov) {
-    return !aov.of_composites && !aov.of_motion && aov.sum != AovSum::kMatte;
+    return !aov.of_composites && !aov.of_motion && !aov.traces && aov.sum != AovSum::kMatte;
   });
 }
 

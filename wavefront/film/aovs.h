@@ -14,6 +14,7 @@
 #include "kernels/columns.h"
 #include "scene/geometry.h"
 #include "wavefront/film/flow.h"
+#include "wavefront/film/hidden_objects.h"
 #include "wavefront/film/mattes.h"
 
 namespace skywave {
@@ -49,10 +50,12 @@ struct FirstSurfaces {
   const CameraView& camera;
   SurfaceColumns surfaces;
   std::uint32_t count;
+  const Tracer* tracer = nullptr;       // for layers of what is behind them
   const FrameMotion* motion = nullptr;  // for layers of it
+  const bool* nearest = nullptr;        // rows that layers of kNearestHit keep
 };
 
-inline constexpr std::uint32_t kMaxAovChannels = 3;  // of a layer of first hits
+inline constexpr std::uint32_t kMaxAovChannels = kHiddenObjects;  // of a layer of first hits
 using AovColumns = float* [kMaxAovChannels];
 
 struct Aov {
@@ -67,6 +70,7 @@ struct Aov {
   bool of_composites = false;  // kept for catchers and transparent backgrounds, and not in "all"
   MatteOf matte = MatteOf::kObjects;  // what a matte is of; mattes are not in "all" either
   bool of_motion = false;             // needs the frames beside that of the picture; not in "all"
+  bool traces = false;                // rays of its own; not in "all"
 };
 
 // Returns all of them, in the order of help texts.
@@ -75,7 +79,7 @@ std::span<const Aov> Aovs();
 // A set of lines of the table has bit i for Aovs()[i].
 using AovSet = std::uint32_t;
 
-// Returns all lines of the table but mattes and those of composites and of motion.
+// Returns all lines of the table but mattes and those of composites, of motion and of more rays.
 AovSet AllAovs();
 // Returns the lines that sum like that.
 AovSet AovsOf(AovSum sum);
