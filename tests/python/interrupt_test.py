@@ -19,11 +19,17 @@ def progress(done):
 """
 
 
+def take_interrupts():
+    """What nohup or a shell starts in the background ignores SIGINT, and so do its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class InterruptTest(unittest.TestCase):
     def stop(self, script):
         """Sends SIGINT to a script that has begun to render; returns its last line on stderr."""
         process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True, env=os.environ)
+                                   stderr=subprocess.PIPE, text=True, env=os.environ,
+                                   preexec_fn=take_interrupts)
         try:
             self.assertEqual(process.stdout.readline().strip(), "started")
             start = time.monotonic()
