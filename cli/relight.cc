@@ -33,7 +33,7 @@ struct RelightFlags {
   ProgressFlags progress;
 };
 
-// Returns the picture with other weights, by which it looks like `relit`.
+// Returns the picture whose image is `relit`, the lights by these weights; its metadata say so.
 Picture RelitPicture(const LitPicture& lit, Image relit, const std::vector<LightWeight>& weights,
                      const RelightFlags& flags) {
   Picture picture = lit.picture;
@@ -77,9 +77,8 @@ void RelightAll(const RelightFlags& flags) {
   }
   const Picture picture = RelitPicture(lit, Relit(lit, flags.weights), flags.weights, flags);
   WriteExrAndPng(flags.output, picture);
-  for (const std::string& note : picture.notes) {
-    if (!flags.progress.quiet) Print(stderr, "note: {}\n", SpellFlags(note));
-  }
+  if (flags.progress.quiet) return;
+  for (const std::string& note : picture.notes) Print(stderr, "note: {}\n", SpellFlags(note));
 }
 
 int RelightMain(const RelightFlags& flags) {
@@ -95,8 +94,9 @@ int RelightMain(const RelightFlags& flags) {
   CheckOutputs(std::array{flags.output, PngBeside(flags.output)},
                std::array{flags.input, flags.table});
   ArenaOf(flags.threads).execute([&] { RelightAll(flags); });
-  if (!flags.progress.quiet)
+  if (!flags.progress.quiet) {
     Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
+  }
   return 0;
 }
 

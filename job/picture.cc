@@ -158,6 +158,21 @@ void MakeTransparent(Picture& picture) {
   }
 }
 
+// Says where the layer of hidden objects may lack some.
+void NoteHiddenObjects(Picture& picture) {
+  const std::string last = fmt::format("hidden-id.{}", kHiddenObjects);
+  for (const NamedChannel& channel : picture.layers) {
+    if (channel.name != last) continue;
+    const auto full = std::count_if(channel.values.begin(), channel.values.end(),
+                                    [](float mesh) { return mesh > 0; });
+    if (full == 0) continue;
+    picture.notes.push_back(
+        fmt::format("layer hidden-id: {} pixels have {} meshes behind the first one, the most that "
+                    "it holds; what is behind those is not in it",
+                    full, kHiddenObjects));
+  }
+}
+
 }  // namespace
 
 std::string ValueOf(const RecordedOption& option) {
@@ -322,6 +337,7 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   }
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
+  NoteHiddenObjects(picture);
   if (const Denoiser by = DenoiserOf(identity); by != Denoiser::kNone) {
     ArenaOf(threads).execute([&] { Clean(by, identity.scene, picture); });
   }

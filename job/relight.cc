@@ -160,6 +160,7 @@ LitPicture ReadLitPicture(const std::string& path, const ReadLimits& limits) {
                      "has no groups of lights; render it with --aovs lights");
   }
   CheckSum(path, lit);
+  lit.picture.image = {};
   return lit;
 }
 

@@ -23,7 +23,7 @@ Codec<LightWeight> LightWeights();
 
 // A picture by its groups of lights.
 struct LitPicture {
-  Picture picture;                  // as it was rendered, without layers
+  Picture picture;                  // as it was rendered, without its image and its layers
   std::vector<std::string> groups;  // by their names
   std::vector<Image> lights;        // what each of them brings
 };

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "job/picture.h"
+#include "job/session.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/film_layers.h"
 #include "tests/support/render_scenes.h"
@@ -25,11 +27,21 @@ Scene SceneFromAbove() {
   return scene;
 }
 
-Layers Ids(const Scene& scene) {
+RenderJob JobOfIds(const Scene& scene) {
   JobRequest request = SmallRequest(kSize, kSize, 1);
   request.options.filter = PixelFilter::kBox;
   request.options.filter_radius = 0.5f;
-  return Resolve(MakeJob(scene, request, "object-id,hidden-id"));
+  return MakeJob(scene, request, "object-id,hidden-id");
+}
+
+Layers Ids(const Scene& scene) { return Resolve(JobOfIds(scene)); }
+
+Scene SheetsFromAbove(int count) {
+  Scene scene = SceneFromAbove();
+  for (int sheet = 0; sheet < count; ++sheet) {
+    Place(scene, Quad(4), 0, glm::vec3(0, -sheet, 0));
+  }
+  return scene;
 }
 
 // Returns the numbers of the meshes behind a pixel, that of object-id first.
@@ -42,13 +54,7 @@ std::vector<float> IdsAt(const Layers& layers, std::size_t pixel) {
 }
 
 TEST(HiddenObjects, AreTheNextOnesInTheirOrder) {
-  Scene scene = SceneFromAbove();
-  for (int sheet = 0; sheet < 10; ++sheet) {
-    Place(scene, Quad(4), 0, glm::vec3(0, -sheet, 0));
-  }
-  const Layers all = Ids(scene);
-  scene.meshes.resize(3);
-  const Layers three = Ids(scene);
+  const Layers all = Ids(SheetsFromAbove(10)), three = Ids(SheetsFromAbove(3));
   for (std::size_t pixel = 0; pixel < kSize * kSize; ++pixel) {
     ASSERT_EQ(IdsAt(all, pixel), (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8})) << pixel;
     ASSERT_EQ(IdsAt(three, pixel), (std::vector<float>{1, 2, 3, 0, 0, 0, 0, 0})) << pixel;
@@ -87,6 +93,20 @@ TEST(HiddenObjects, AreThereWhereTheyWouldBeSeenAlone) {
     }
   }
   EXPECT_GT(overlaps, 100);
+}
+
+TEST(HiddenObjects, AreNotedWhereThereMayBeMore) {
+  const auto notes = [](int sheets) {
+    const RenderJob job = JobOfIds(SheetsFromAbove(sheets));
+    const PictureIdentity identity = IdentityOf(job, {}, false);
+    const RenderedFilm rendered = RunSession(job, identity, {});
+    return ResolvePicture(rendered.film, rendered.samples, job.options().aovs, identity,
+                          rendered.part)
+        .notes;
+  };
+  EXPECT_TRUE(notes(7).empty());
+  ASSERT_EQ(notes(10).size(), 1u);
+  EXPECT_NE(notes(10)[0].find("hidden-id: 576 pixels"), std::string::npos) << notes(10)[0];
 }
 
 TEST(HiddenObjects, AreNotAmongAllLayers) { EXPECT_EQ(AllAovs() & *ParseAovs("hidden-id"), 0u); }

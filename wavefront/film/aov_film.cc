@@ -14,9 +14,9 @@
 namespace skywave {
 namespace {
 
-constexpr std::uint32_t kRows = 256;     // of the wave at a time, on the stack
-constexpr double kRangeUnits = 0x1p38;   // units at the end of a range
-constexpr double kWeightUnits = 0x1p20;  // of a weight of 1
+constexpr std::uint32_t kRows = kHiddenObjectRows;  // of the wave at a time, on the stack
+constexpr double kRangeUnits = 0x1p38;              // units at the end of a range
+constexpr double kWeightUnits = 0x1p20;             // of a weight of 1
 // What camera rays meet first, as their weights are kept.
 enum First : std::size_t { kObjects, kCatchers, kNothing, kFirsts };
 constexpr std::uint64_t kNoSample = ~std::uint64_t{0};

@@ -191,7 +191,7 @@ constexpr Aov kAovs[] = {
      .read = ReadHiddenId,
      .traces = true},
 };
-static_assert(std::size(kAovs) <= 32);
+static_assert(std::size(kAovs) <= 8 * sizeof(AovSet));
 
 // Returns the lines for which holds(line) is true.
 template <class Predicate>

@@ -77,7 +77,7 @@ struct Aov {
 std::span<const Aov> Aovs();
 
 // A set of lines of the table has bit i for Aovs()[i].
-using AovSet = std::uint32_t;
+using AovSet = std::uint64_t;
 
 // Returns all lines of the table but mattes and those of composites, of motion and of more rays.
 AovSet AllAovs();

@@ -1,43 +1,40 @@
 #include "wavefront/film/hidden_objects.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <utility>
 
 #include "wavefront/rays/ray_recorder.h"
 
 namespace skywave {
 namespace {
 
-// A ray that has gone through this many surfaces is in a hall of mirrors, or in a pile of sheets.
+// Surfaces that a ray goes through at most: foliage has some hundred.
 constexpr int kMostSurfaces = 1024;
-// Beyond a surface rays go on from here, in units of their coordinates and distances. What lies
-// nearer together is one object: nobody would see it from any side.
+// Rays go on from this far beyond a surface, in units of their coordinates and distances. Of two
+// surfaces that lie nearer together, the second one is missed.
 constexpr float kBeyond = 2e-6f;
 
 // Rays and their hits, as far as TraceClosest needs them.
-class Rays {
- public:
-  explicit Rays(std::uint32_t n) : numbers_(kFloats * n), indices_(kIndices * n) {
-    float* next = numbers_.data();
-    for (float** const column :
-         {&rays.org_x, &rays.org_y, &rays.org_z, &rays.dir_x, &rays.dir_y, &rays.dir_z, &rays.t_far,
-          &hits.ng_x, &hits.ng_y, &hits.ng_z, &hits.u, &hits.v}) {
-      *column = next;
-      next += n;
-    }
-    hits.triangle = indices_.data(), hits.geom = hits.triangle + n, keys = hits.geom + n;
-  }
+struct Rays {
+  float numbers[12][kHiddenObjectRows];
+  std::uint32_t indices[2][kHiddenObjectRows];
+  std::uint32_t keys[kHiddenObjectRows] = {};  // one key for all rays decides what is a hole
 
   RayColumns rays = {};
   HitColumns hits = {};
-  std::uint32_t* keys;  // 0: one of them decides for all rays what is a hole
 
- private:
-  static constexpr std::size_t kFloats = 12, kIndices = 3;
-  std::vector<float> numbers_;
-  std::vector<std::uint32_t> indices_;
+  Rays() {
+    float(*next)[kHiddenObjectRows] = numbers;
+    for (float** const column :
+         {&rays.org_x, &rays.org_y, &rays.org_z, &rays.dir_x, &rays.dir_y, &rays.dir_z, &rays.t_far,
+          &hits.ng_x, &hits.ng_y, &hits.ng_z, &hits.u, &hits.v}) {
+      *column = *next++;
+    }
+    hits.triangle = indices[0], hits.geom = indices[1];
+  }
 };
 
 // Places ray `to` beyond the distance `t` of ray `from`, which is not before it.
@@ -55,26 +52,28 @@ void GoOn(const RayColumns& r, std::uint32_t from, float t, std::uint32_t to) {
 
 void FindHiddenObjects(const Tracer& tracer, const Geometry& geometry, const SurfaceColumns& s,
                        std::uint32_t n, const bool* wanted, float* const* out) {
+  assert(n <= kHiddenObjectRows);
   Tracer through = tracer;
   through.recorder = nullptr, through.beside = 0, through.only = nullptr;
-  Rays rays(n);
+  Rays rays;
   const RayColumns& r = rays.rays;
-  std::vector<std::uint32_t> rows, found(n);  // rows of the rays; objects that a row has
+  std::uint32_t rows[kHiddenObjectRows], going = 0;  // rows of the rays that go on
+  std::uint32_t found[kHiddenObjectRows] = {};       // objects that a row has
   for (std::uint32_t i = 0; i < n; ++i) {
     if (!wanted[i]) continue;
     for (std::uint32_t k = 0; k < kHiddenObjects; ++k) out[k][i] = 0;
-    const auto ray = std::uint32_t(rows.size());
+    const std::uint32_t ray = going++;
     r.org_x[ray] = s.org_x[i] - s.ng_x[i] * s.lift[i], r.dir_x[ray] = -s.wo_x[i];
     r.org_y[ray] = s.org_y[i] - s.ng_y[i] * s.lift[i], r.dir_y[ray] = -s.wo_y[i];
     r.org_z[ray] = s.org_z[i] - s.ng_z[i] * s.lift[i], r.dir_z[ray] = -s.wo_z[i];
     GoOn(r, ray, 0, ray);
-    rows.push_back(i);
+    rows[ray] = i;
   }
-  for (int surface = 0; surface < kMostSurfaces && !rows.empty(); ++surface) {
-    TraceClosest(through, RayKind::kBounce, r, std::uint32_t(rows.size()), rays.hits,
+  for (int surface = 0; surface < kMostSurfaces && going > 0; ++surface) {
+    const std::uint32_t count = std::exchange(going, 0);
+    TraceClosest(through, RayKind::kBounce, r, count, rays.hits,
                  tracer.first_with_alpha ? rays.keys : nullptr);
-    std::uint32_t going = 0;
-    for (std::uint32_t ray = 0; ray < rows.size(); ++ray) {
+    for (std::uint32_t ray = 0; ray < count; ++ray) {
       if (rays.hits.geom[ray] == kNoHit) continue;
       const std::uint32_t row = rows[ray], mesh = geometry.MeshOf(rays.hits.triangle[ray]);
       bool known = mesh == geometry.MeshOf(s.triangle[row]);
@@ -85,7 +84,6 @@ void FindHiddenObjects(const Tracer& tracer, const Geometry& geometry, const Sur
       GoOn(r, ray, r.t_far[ray], going);
       rows[going++] = row;
     }
-    rows.resize(going);
   }
 }
 
