@@ -23,10 +23,14 @@ constexpr float kFarApart = 4;
 // A pixel may be this many times noisier before it weighs less.
 constexpr float kNoisier = 2;
 constexpr float kNoNoise = 1e-20f;
+// A pixel with this many samples gets half of the noise around it at least.
+constexpr float kFewSamples = 8;
+// That of neighbours this many times as bright counts as much as its relative noise would here.
+constexpr float kBrighter = 32;
 // Differences of neighbours are correlated once they are filtered, so their mean is one of few
 // independent numbers and intervals have to be wider. The factor is fitted so that intervals cover
 // what they claim (docs/denoising.md).
-constexpr float kFewNumbers = 1.4f;
+constexpr float kFewNumbers = 2.0f;
 
 // A tile with two more pixels on each side, and room for whole vectors.
 constexpr int kPitch = FilterTile::kWidth + 3 * static_cast<int>(kPadRows);
@@ -37,22 +41,33 @@ struct TilePlane {
   float* at(int x, int y) { return &values[y + 2][x + static_cast<int>(kPadRows)]; }
 };
 
-void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise) {
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, const HalfPlanes& other,
+                 const float* samples, int y, float* noise) {
   const int lanes = static_cast<int>(hn::Lanes(F()));
   for (int x = 0; x < shape.width; x += lanes) {
     const std::size_t at = shape.at(x, y);
     const VF zero = hn::Zero(F());
-    VF sum = zero, sum_of_logs = zero;
+    const auto brightness = [&](std::size_t i) HWY_ATTR {
+      const V3 sum =
+          Load3(half.r + i, half.g + i, half.b + i) + Load3(other.r + i, other.g + i, other.b + i);
+      return hn::Abs(sum.x + sum.y + sum.z);
+    };
+    const VF bright = brightness(at) * kBrighter;
+    VF sum = zero, sum_of_alike = zero, sum_of_logs = zero;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const VF v = Load(half.noise + shape.at(x + dx, y + dy));
+        const std::size_t j = shape.at(x + dx, y + dy);
+        const VF v = Load(half.noise + j);
+        const VF ratio = hn::Min(bright / (brightness(j) + kNoNoise), Set(1.0f));
         sum = sum + v;
+        sum_of_alike = sum_of_alike + v * ratio * ratio;
         sum_of_logs = sum_of_logs + Log2(hn::Max(v, Set(1e-30f)));
       }
     }
     const VF own = Load(half.noise + at), geometric = Exp2(sum_of_logs * (1.0f / 9));
-    const VF arithmetic = sum * (1.0f / 9);
-    Store(IfThen(hn::Eq(own, zero), arithmetic, hn::Max(own, geometric)), noise + at);
+    const VF share = kFewSamples / (Load(samples + at) + kFewSamples);
+    const VF least = hn::Max(geometric, share * sum_of_alike * (1.0f / 9));
+    Store(IfThen(hn::Eq(own, zero), sum * (1.0f / 9), hn::Max(own, least)), noise + at);
   }
 }
 
@@ -283,8 +298,9 @@ HWY_EXPORT(TakeLogarithms);
 HWY_EXPORT(CrossFilter);
 HWY_EXPORT(EstimateError);
 
-void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise) {
-  HWY_DYNAMIC_DISPATCH(SmoothNoise)(shape, half, y, noise);
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, const HalfPlanes& other,
+                 const float* samples, int y, float* noise) {
+  HWY_DYNAMIC_DISPATCH(SmoothNoise)(shape, half, other, samples, y, noise);
 }
 void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
   HWY_DYNAMIC_DISPATCH(TakeLogarithms)(shape, y, scale, plane);

@@ -43,9 +43,21 @@ struct HalfPlanes {
   }
 };
 
+// What the picture was divided by, in its own colours: albedo where there are surfaces.
+struct TexturePlanes {
+  float *r, *g, *b;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
 // Feature differences, in units of the rejection threshold. Border pixels get a coverage that never
-// matches.
+// matches, kNoCoverage.
 inline constexpr float kCoverageUnit = 0.15f;
+inline constexpr float kDepthUnit = 0.02f;  // of the distance
+inline constexpr float kNoCoverage = 1e4f;
 struct FeaturePlanes {
   float *normal_x, *normal_y, *normal_z;
   float *albedo_r, *albedo_g, *albedo_b;
@@ -66,7 +78,7 @@ struct FeaturePlanes {
 struct FilterLevel {
   int radius, stride;
 };
-inline constexpr FilterLevel kFilterLevels[] = {{2, 1}, {1, 4}};
+inline constexpr FilterLevel kFilterLevels[] = {{1, 1}, {2, 2}, {2, 6}};
 
 // A part of the picture, small enough for the second-level cache.
 struct FilterTile {
@@ -76,9 +88,11 @@ struct FilterTile {
 
 // Writes the noise of row `y`, raised where a pixel has missed the rare bright samples of its
 // neighbours and with them their variance: it gets at least the geometric mean of the 3 x 3 pixels
-// around it. A pixel without any noise, as where no sample found light, gets their mean. `noise` is
-// a plane.
-void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise);
+// around it, and at least a share of their mean, the larger the fewer `samples` it has. Pixels that
+// both halves see much brighter count less for that. A pixel without any noise, as where no sample
+// found light, gets the mean. `samples` and `noise` are planes.
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, const HalfPlanes& other,
+                 const float* samples, int y, float* noise);
 
 // Replaces the values of row `y` of a plane, all positive, by `scale` times their natural
 // logarithms.

@@ -12,12 +12,10 @@
 #include "job/denoise/outliers.h"
 #include "job/denoise/planes.h"
 #include "kernels/cross_filter.h"
+#include "kernels/feature_fit.h"
 
 namespace skywave {
 namespace {
-
-// The border of the features never matches the picture.
-constexpr float kNoCoverage = 1e4f;
 
 template <class F>
 void ForEachTile(const PlaneShape& shape, const F& f) {
@@ -57,16 +55,25 @@ DenoiserPlanes ReadPlanes(const DenoiserInput& input) {
   FillRim(shape, kNoCoverage, planes.features->coverage);
   tbb::parallel_for(0, shape.height, [&](int y) { FindSlopes(shape, y, planes.features); });
   for (const soa::Table<HalfPlanes>& half : planes.halves) RepeatEdges(shape, half);
+  RepeatEdges(shape, planes.texture);
   return planes;
 }
 
 // Replaces the noise of both halves by what SmoothNoise makes of it.
-void SmoothNoises(const PlaneShape& shape, soa::Table<HalfPlanes> (&halves)[2]) {
-  for (soa::Table<HalfPlanes>& half : halves) {
-    std::vector<float> smooth(shape.size());
-    tbb::parallel_for(0, shape.height, [&](int y) { SmoothNoise(shape, half, y, smooth.data()); });
-    std::copy(smooth.begin(), smooth.end(), half->noise);
-    RepeatEdge(shape, half->noise);
+void SmoothNoises(const DenoiserInput& input, DenoiserPlanes& planes) {
+  const PlaneShape& shape = planes.shape;
+  std::vector<float> samples(shape.size()), smooth(shape.size());
+  for (int h = 0; h < 2; ++h) {
+    const HalfPlanes &half = planes.halves[h], &other = planes.halves[1 - h];
+    ForEachPixel(shape, [&](std::size_t pixel, std::size_t at) {
+      const float second = input.half_samples[pixel];
+      samples[at] = h == 1 ? second : input.samples[pixel] - second;
+    });
+    tbb::parallel_for(0, shape.height, [&](int y) {
+      SmoothNoise(shape, half, other, samples.data(), y, smooth.data());
+    });
+    std::copy(smooth.begin(), smooth.end(), half.noise);
+    RepeatEdge(shape, half.noise);
   }
 }
 
@@ -159,23 +166,33 @@ void EstimateWide(const DenoiserPlanes& planes, const soa::Table<HalfPlanes> (&c
 
 Candidate FilterByStatistics(const DenoiserInput& input, const DenoiserPlanes& planes) {
   const PlaneShape& shape = planes.shape;
+  HalfPlanes in[2] = {planes.halves[0], planes.halves[1]};
   soa::Table<HalfPlanes> filtered[2], next[2];
   for (int h = 0; h < 2; ++h) filtered[h] = NewHalf(shape), next[h] = NewHalf(shape);
-  const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
-  for (const FilterLevel& level : kFilterLevels) {
-    const bool first = &level == kFilterLevels;
-    const HalfPlanes in[2] = {first ? noisy[0] : filtered[0].columns(),
-                              first ? noisy[1] : filtered[1].columns()};
-    const HalfPlanes out[2] = {next[0], next[1]};
-    ForEachTile(shape, [&](const FilterTile& tile) {
-      CrossFilter(shape, planes.features, in, level, tile, out);
-    });
+  // Calls filter(out), which reads `in`; that is what it wrote then.
+  const auto run = [&](const auto& filter) {
+    filter({next[0].columns(), next[1].columns()});
     for (int h = 0; h < 2; ++h) {
       std::swap(filtered[h], next[h]);
       RepeatEdges(shape, filtered[h]);
+      in[h] = filtered[h];
     }
+  };
+  using Halves = HalfPlanes[2];
+  for (const FilterLevel& level : kFilterLevels) {
+    run([&](const Halves& out) {
+      ForEachTile(shape, [&](const FilterTile& tile) {
+        CrossFilter(shape, planes.features, in, level, tile, out);
+      });
+    });
   }
-  return WithError(input, planes, {filtered[0].columns(), filtered[1].columns()});
+  const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
+  run([&](const Halves& out) {
+    tbb::parallel_for(0, shape.height, [&](int y) {
+      FitToFeatures(shape, planes.features, planes.texture, input.brightness, noisy, in, y, out);
+    });
+  });
+  return WithError(input, planes, in);
 }
 
 // The whole of the picture and, for its error, the halves are cleaned one by one. Pixels that see
@@ -314,7 +331,7 @@ Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
   if (outliers.outliers != 0) {
     for (const soa::Table<HalfPlanes>& half : planes.halves) RepeatEdges(shape, half);
   }
-  SmoothNoises(shape, planes.halves);
+  SmoothNoises(input, planes);
 
   Denoised result = {.image = Image(shape.width, shape.height),
                      .error = {},

@@ -13,8 +13,8 @@
 // nothing as bright in the pixels around. Their excess is spread over the surface around them, so
 // energy is kept.
 //
-// Statistics are local: a pixel depends on those at most 12 pixels away, and near outliers on those
-// at most 84 pixels away. Their bytes do not depend on threads, tiles or instruction sets, nor do
+// Statistics are local: a pixel depends on those at most 28 pixels away, and near outliers on those
+// at most 100 pixels away. Their bytes do not depend on threads, tiles or instruction sets, nor do
 // those of Open Image Denoise on threads.
 #pragma once
 

@@ -11,7 +11,6 @@ namespace {
 // Units of the features: the difference by which pixels become strangers.
 constexpr float kNormalUnit = 0.1f;  // of unit vectors
 constexpr float kAlbedoUnit = 0.1f;  // of reflectance
-constexpr float kDepthUnit = 0.02f;  // of the distance
 // Black surfaces can be lit as well: light is not divided by less than this.
 constexpr float kDarkest = 0.02f;
 

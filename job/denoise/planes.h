@@ -7,16 +7,6 @@
 
 namespace skywave {
 
-// One row is one pixel of a plane.
-struct TexturePlanes {
-  float *r, *g, *b;  // what the picture was divided by
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.r), f(self.g), f(self.b);
-  }
-};
-
 struct DenoiserPlanes {
   explicit DenoiserPlanes(const PlaneShape& shape);
 

@@ -134,7 +134,7 @@ TEST(Denoise, BytesDoNotDependOnTheInstructionSet) {
 
 // A part with a rim has the pixels of the whole.
 TEST(Denoise, APixelDependsOnItsSurroundings) {
-  constexpr int kRim = 12;
+  constexpr int kRim = 28;
   const Truth whole = [](int x, int y) { return Pixel{.light = 1 + (x > 50) + 0.5 * (y > 40)}; };
   const Truth part = [&](int x, int y) { return whole(x, y); };
   const Denoised large = Clean(Draw(whole, 11, 120, 100)), small = Clean(Draw(part, 11, 80, 70));
