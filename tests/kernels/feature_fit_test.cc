@@ -99,7 +99,8 @@ TEST(FeatureFit, FindsLinearFunctions) {
   }
 }
 
-// Values far beyond the noise stay as they are, those that it might explain move by a third.
+// Values far beyond the noise stay as they are, those that it might explain move by a third of
+// their 0.075 on average; by half if what the fit leaves did not count.
 TEST(FeatureFit, LeavesWhatFeaturesDoNotExplain) {
   for (const float range : {1.0f, 0.15f}) {
     SCOPED_TRACE(range);
@@ -111,7 +112,7 @@ TEST(FeatureFit, LeavesWhatFeaturesDoNotExplain) {
     planes.ForEach([&](std::size_t i) {
       moved += std::abs(planes.out[0]->g[i] - planes.in[0]->g[i]) / (kSide * kSide);
     });
-    EXPECT_LT(moved, 0.04);
+    EXPECT_LT(moved, 0.03);
   }
 }
 
