@@ -38,6 +38,7 @@ struct Neighbour {
   VF noise[2];
 };
 
+// What is read.
 struct Planes {
   const FeaturePlanes& features;
   const TexturePlanes& texture;
@@ -120,6 +121,8 @@ struct Prediction {
   VF error;     // squared, of the linear function
 };
 
+// Fits the linear function to the neighbours, by the noise of the other half; `noise_here` is the
+// unit of the weights.
 HWY_INLINE Prediction Fit(const Neighbour (&neighbours)[kNeighbours], int half, VF noise_here) {
   const VF zero = hn::Zero(F());
   Symmetric matrix;
@@ -181,11 +184,13 @@ HWY_INLINE Prediction Fit(const Neighbour (&neighbours)[kNeighbours], int half, 
                           Set(std::numeric_limits<float>::infinity()))};
 }
 
-// Replaces pixels `at`; writes whole vectors of values by half.
+// Values and noise of both halves.
 struct Repaired {
   V3 light[2];
   VF noise[2];
 };
+// Returns pixels `at`: each half goes towards what its neighbours say as far as the other one
+// allows.
 HWY_INLINE Repaired Repair(const PlaneShape& shape, const Planes& planes, VU at) {
   const VF depth = Gather(planes.features.depth, at), zero = hn::Zero(F());
   VF here[kTerms];
