@@ -22,7 +22,6 @@ constexpr float kLimit = 8;
 constexpr float kFarApart = 4;
 // A pixel may be this many times noisier before it weighs less.
 constexpr float kNoisier = 2;
-constexpr float kNoNoise = 1e-20f;
 // A pixel with this many samples gets half of the noise around it at least.
 constexpr float kFewSamples = 8;
 // That of neighbours this many times as bright counts as much as its relative noise would here.

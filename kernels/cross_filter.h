@@ -34,14 +34,18 @@ struct PlaneShape {
 
 // One row is one pixel of a plane. The rim repeats the edge of the picture.
 struct HalfPlanes {
-  float *r, *g, *b;  // mean of half of the samples, textures divided out
-  float* noise;      // variance of r, plus those of g and b
+  // Mean of half of the samples, textures divided out, in units of the picture's brightness.
+  float *r, *g, *b;
+  float* noise;  // variance of r, plus those of g and b
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
     f(self.r), f(self.g), f(self.b), f(self.noise);
   }
 };
+
+// Noise that is less than this is none.
+inline constexpr float kNoNoise = 1e-20f;
 
 // What the picture was divided by, in its own colours: albedo where there are surfaces.
 struct TexturePlanes {

@@ -24,6 +24,8 @@ constexpr int kNeighbours = (2 * kReach + 1) * (2 * kReach + 1) - 1;
 constexpr int kTerms = 11;
 // Neighbours without noise are no better known than to this share of the noise of the pixel.
 constexpr float kLeastNoise = 0.2f;
+// Neighbours that are noisier by far count this much, so that sums of weights stay far from 0.
+constexpr float kLeastWeight = 1e-6f;
 constexpr float kRidge = 1e-3f;
 // Features that vary by less than this root of a mean square say nothing, in their units.
 constexpr float kLeastSquare = 1e-3f;
@@ -66,12 +68,15 @@ HWY_INLINE Neighbour Find(const PlaneShape& shape, const Planes& planes, VU at,
   Neighbour found;
   const std::ptrdiff_t offset = std::ptrdiff_t(shape.pitch()) * dy + dx;
   const VU j = at + SetU(static_cast<std::uint32_t>(offset));
+  // The rim has no features, and a coverage that is none.
+  const MF inside = hn::Lt(Gather(planes.features.coverage, j), Set(0.5f * kNoCoverage));
   Features(planes.features, j, depth_here, found.terms);
-  for (int k = 1; k < 9; ++k) found.terms[k] = found.terms[k] - here[k];
+  for (int k = 1; k < 9; ++k) {
+    found.terms[k] = IfThen(inside, found.terms[k] - here[k], hn::Zero(F()));
+  }
   found.terms[9] = Set(float(dx)), found.terms[10] = Set(float(dy));
 
   const float falls = 1 - float(dx * dx + dy * dy) * (1 / (2.25f * kReach * kReach));
-  const MF inside = hn::Lt(Gather(planes.features.coverage, j), Set(0.5f * kNoCoverage));
   found.closeness = IfThen(inside, Set(falls * falls * falls * falls), hn::Zero(F()));
 
   const TexturePlanes& t = planes.texture;
@@ -136,7 +141,7 @@ HWY_INLINE Prediction Fit(const Neighbour (&neighbours)[kNeighbours], int half, 
   for (int j = 0; j < kNeighbours; ++j) {
     const Neighbour& n = neighbours[j];
     const VF noise = n.noise[1 - half] + noise_here * kLeastNoise;
-    const VF weight = n.closeness * noise_here / noise;
+    const VF weight = n.closeness * hn::Max(noise_here / noise, Set(kLeastWeight));
     weights[j] = weight;
     all_weights = all_weights + weight, all_close = all_close + n.closeness;
     for (int row = 0; row < kTerms; ++row) {
@@ -259,7 +264,7 @@ void FitToFeatures(const PlaneShape& shape, const FeaturePlanes& features,
   for (int x = 0; x < shape.width; ++x) {
     const std::size_t at = shape.at(x, y);
     const float left = in[0].noise[at] + in[1].noise[at];
-    if (left <= kNoisyShare * (noisy[0].noise[at] + noisy[1].noise[at])) continue;
+    if (left <= kNoisyShare * (noisy[0].noise[at] + noisy[1].noise[at]) + kNoNoise) continue;
     list[count++] = static_cast<std::uint32_t>(at);
     if (count == lanes) repair();
   }

@@ -116,6 +116,23 @@ TEST(FeatureFit, LeavesWhatFeaturesDoNotExplain) {
   }
 }
 
+// Light that is known, as that of an open plane by a control variate, has noise of rounding or
+// none.
+TEST(FeatureFit, LeavesPixelsWithoutNoise) {
+  for (const float around : {0.0f, 1e-38f, 1e8f}) {
+    for (const float here : {1e-44f, 1e-38f, 1e-30f}) {
+      Planes planes;
+      const std::size_t middle = planes.shape.at(0, 20);
+      planes.ForEach([&](std::size_t i) { planes.Set(i, 2, i == middle ? here : around); });
+      planes.Fit();
+      planes.ForEach([&](std::size_t i) {
+        ASSERT_NEAR(planes.out[0]->g[i], 2, 1e-4) << around << ' ' << here;
+        ASSERT_TRUE(std::isfinite(planes.out[1]->noise[i])) << around << ' ' << here;
+      });
+    }
+  }
+}
+
 // One half says whether the other one is replaced.
 TEST(FeatureFit, LeavesHalvesWhoseOtherOneIsFarFromItsFit) {
   Planes planes;
