@@ -136,13 +136,14 @@ class Slurm(unittest.TestCase):
             self.assertEqual(read(self.path(f"out/{seed}.exr")), read(self.path(f"local/{seed}.exr")))
 
     def test_parts_of_pictures_are_stopped_go_on_and_are_merged(self):
-        size, spp = "160x120", 1000
+        # A part takes longer than Slurm needs to stop it, also beside other tests.
+        size, spp = "160x120", 2000
         self.write_job("job.toml", "out", size, spp)
         self.skywave("batch", "job.toml", "--slurm", "farm", "--shards", "2")
         array = self.remember(self.submit())
         self.assertRegex(self.submit(), "^is queued already: ")
         stopped = array + "_2"
-        self.wait_until(lambda: any(catches_stop(p) for p in processes("500:1000")))
+        self.wait_until(lambda: any(catches_stop(p) for p in processes("1000:2000")))
         self.stop(stopped)
         self.finish()
         self.assertGreaterEqual(self.restarts(stopped), 1)
