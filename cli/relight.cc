@@ -33,7 +33,7 @@ struct RelightFlags {
   ProgressFlags progress;
 };
 
-// Returns the picture whose image is `relit`, the lights by these weights; its metadata say so.
+// Returns the picture with the image `relit`, and the weights that made it in its metadata.
 Picture RelitPicture(const LitPicture& lit, Image relit, const std::vector<LightWeight>& weights,
                      const RelightFlags& flags) {
   Picture picture = lit.picture;

@@ -18,13 +18,12 @@ namespace HWY_NAMESPACE {
 // approximated by a power that reaches 0.
 constexpr float kTolerated = 0.5f;
 constexpr float kLimit = 8;
-// A pair further apart than this is not averaged, whatever its neighbours say.
-constexpr float kFarApart = 4;
 // A pixel may be this many times noisier before it weighs less.
 constexpr float kNoisier = 2;
 // A pixel with this many samples gets half of the noise around it at least.
 constexpr float kFewSamples = 8;
-// That of neighbours this many times as bright counts as much as its relative noise would here.
+// The noise of neighbours that are more than this many times as bright as a pixel is scaled down,
+// by the square of what they are brighter by.
 constexpr float kBrighter = 32;
 // Differences of neighbours are correlated once they are filtered, so their mean is one of few
 // independent numbers and intervals have to be wider. The factor is fitted so that intervals cover

@@ -44,6 +44,9 @@ struct HalfPlanes {
   }
 };
 
+// A pair further apart than this, squared and in units of its variance, is not averaged, whatever
+// its neighbours say; nor is a pixel with what a fit says of it (kernels/feature_fit.h).
+inline constexpr float kFarApart = 4;
 // Noise that is less than this is none.
 inline constexpr float kNoNoise = 1e-20f;
 

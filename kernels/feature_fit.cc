@@ -27,10 +27,8 @@ constexpr float kLeastNoise = 0.2f;
 // Neighbours that are noisier by far count this much, so that sums of weights stay far from 0.
 constexpr float kLeastWeight = 1e-6f;
 constexpr float kRidge = 1e-3f;
-// Features that vary by less than this root of a mean square say nothing, in their units.
+// Added to the mean square of each feature, in its units: one that varies by less says little.
 constexpr float kLeastSquare = 1e-3f;
-// As in cross_filter.cc: a pixel that is further from its fit is not replaced.
-constexpr float kFarApart = 4;
 
 // The terms of the linear function, and what is known of one neighbour of a vector of pixels.
 struct Neighbour {
@@ -60,6 +58,11 @@ HWY_INLINE void Features(const FeaturePlanes& f, VU at, VF depth_here, VF (&term
   terms[8] = coverage;
 }
 
+HWY_INLINE V3 Texture(const Planes& planes, VU at) {
+  const TexturePlanes& t = planes.texture;
+  return V3{Gather(t.r, at), Gather(t.g, at), Gather(t.b, at)} * planes.unit;
+}
+
 HWY_INLINE VF MeanSquare(const V3& color) { return Dot(color, color) * (1.0f / 3); }
 
 // Finds neighbour (dx, dy) of pixels `at`.
@@ -79,8 +82,7 @@ HWY_INLINE Neighbour Find(const PlaneShape& shape, const Planes& planes, VU at,
   const float falls = 1 - float(dx * dx + dy * dy) * (1 / (2.25f * kReach * kReach));
   found.closeness = IfThen(inside, Set(falls * falls * falls * falls), hn::Zero(F()));
 
-  const TexturePlanes& t = planes.texture;
-  const V3 texture = V3{Gather(t.r, j), Gather(t.g, j), Gather(t.b, j)} * planes.unit;
+  const V3 texture = Texture(planes, j);
   for (int half = 0; half < 2; ++half) {
     const HalfPlanes& in = planes.in[half];
     found.radiance[half] = V3{Gather(in.r, j), Gather(in.g, j), Gather(in.b, j)} * texture;
@@ -212,8 +214,7 @@ HWY_INLINE Repaired Repair(const PlaneShape& shape, const Planes& planes, VU at)
   const VF noise_here = (own.noise[0] + own.noise[1]) * 0.5f;
   const Prediction fits[2] = {Fit(neighbours, 0, noise_here), Fit(neighbours, 1, noise_here)};
 
-  const TexturePlanes& t = planes.texture;
-  const V3 texture = V3{Gather(t.r, at), Gather(t.g, at), Gather(t.b, at)} * planes.unit;
+  const V3 texture = Texture(planes, at);
   const V3 per_texture = {1.0f / texture.x, 1.0f / texture.y, 1.0f / texture.z};
   Repaired result;
   for (int half = 0; half < 2; ++half) {

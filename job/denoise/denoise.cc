@@ -166,10 +166,11 @@ void EstimateWide(const DenoiserPlanes& planes, const soa::Table<HalfPlanes> (&c
 
 Candidate FilterByStatistics(const DenoiserInput& input, const DenoiserPlanes& planes) {
   const PlaneShape& shape = planes.shape;
-  HalfPlanes in[2] = {planes.halves[0], planes.halves[1]};
+  const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
+  HalfPlanes in[2] = {noisy[0], noisy[1]};
   soa::Table<HalfPlanes> filtered[2], next[2];
   for (int h = 0; h < 2; ++h) filtered[h] = NewHalf(shape), next[h] = NewHalf(shape);
-  // Calls filter(out), which reads `in`; that is what it wrote then.
+  // Calls filter(out), which reads `in`; the next filter reads what this one has written.
   const auto run = [&](const auto& filter) {
     filter({next[0].columns(), next[1].columns()});
     for (int h = 0; h < 2; ++h) {
@@ -186,7 +187,6 @@ Candidate FilterByStatistics(const DenoiserInput& input, const DenoiserPlanes& p
       });
     });
   }
-  const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
   run([&](const Halves& out) {
     tbb::parallel_for(0, shape.height, [&](int y) {
       FitToFeatures(shape, planes.features, planes.texture, input.brightness, noisy, in, y, out);

@@ -120,7 +120,7 @@ TEST(FeatureFit, LeavesWhatFeaturesDoNotExplain) {
 // none.
 TEST(FeatureFit, LeavesPixelsWithoutNoise) {
   for (const float around : {0.0f, 1e-38f, 1e8f}) {
-    for (const float here : {1e-44f, 1e-38f, 1e-30f}) {
+    for (const float here : {2.5e-45f, 1e-38f, 1e-30f}) {
       Planes planes;
       const std::size_t middle = planes.shape.at(0, 20);
       planes.ForEach([&](std::size_t i) { planes.Set(i, 2, i == middle ? here : around); });
