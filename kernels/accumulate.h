@@ -57,9 +57,12 @@ void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale
                       Uint128* sums);
 
 // The samples of a pixel have two halves, which a denoiser compares: blocks of four samples, which
-// are stratified among themselves, are dealt in the order of Thue and Morse, so that any 8 * 2^k
-// first samples have equal halves.
-inline bool IsInSecondHalf(std::uint32_t sample) { return (std::popcount(sample >> 2) & 1) != 0; }
+// are stratified among themselves, are dealt in the order of Thue and Morse. The first eight are
+// dealt by pairs, so that any 4 * 2^k first samples have equal halves.
+inline bool IsInSecondHalf(std::uint32_t sample) {
+  const std::uint32_t block = sample < 8 ? sample >> 1 : sample >> 2;
+  return (std::popcount(block) & 1) != 0;
+}
 
 // Sums of the second halves: their number by pixel, and their units and squares, three per pixel.
 struct HalfSums {

@@ -269,7 +269,7 @@ def quick_job(text):
 # These changes make a command quick: values that replace those of the document, and flags that are
 # added if it has none of `unless`.
 QUICK = {
-    "render": ({"--size": "64x48", "--spp": "8"}, ("--crop",)),  # a denoiser needs 8 samples
+    "render": ({"--size": "64x48", "--spp": "8"}, ("--crop",)),
     "paths": ({"--size": "32x24", "--spp": "2"}, ()),
     "converge": ({"--size": "32x24", "--budgets": "1,2", "--repeats": "2", "--reference-spp": "4"},
                  ()),

@@ -16,7 +16,7 @@ AovSet DenoiserLayers();
 std::vector<std::string> DenoiserChannels();
 
 // With fewer samples the variance of a half is too uncertain.
-inline constexpr std::uint32_t kFewestDenoiserSamples = 8;
+inline constexpr std::uint32_t kFewestDenoiserSamples = 4;
 
 // Returns whether every pixel has enough samples in both halves. The layers are there.
 bool CanDenoise(const Image& image, std::span<const NamedChannel> layers);
