@@ -1,9 +1,16 @@
 // Implements skywave denoise: a clean picture from the layers of a noisy one.
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
+#include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/arena.h"
 #include "base/error.h"
@@ -11,7 +18,9 @@
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/print.h"
+#include "cli/progress.h"
 #include "job/denoise/denoise.h"
+#include "job/denoise/frames.h"
 #include "job/exposure.h"
 #include "job/picture.h"
 
@@ -19,62 +28,201 @@ namespace skywave {
 namespace {
 
 struct DenoiseFlags {
-  std::string input, output;
+  std::vector<std::string> inputs;
+  std::string output;
   Denoiser by = Denoiser::kStatistics;
+  int steady = 0;  // frames before and after each
   ExposureRequest exposure;
   ReadLimits limits;
+  ProgressFlags progress;
   int threads = 0;
-  bool quiet = false;
 };
 
 constexpr char kAlpha[] = "A";
 
-// Returns the names of the layers that are read of a picture: those of the denoiser, and its alpha.
-std::vector<std::string> LayersOfNoisy(const std::string& path, const ReadLimits& limits) {
-  const std::vector<std::string> names = ReadLayerNames(path, limits);
+// A picture to be cleaned, with the layers that are read of it.
+struct NoisyPicture {
+  std::string path, output;
+  LayeredImage picture;
+  std::vector<float> alpha;
+  Metadata metadata;
+};
+
+// Returns the names of the layers that are read of a picture: those of the denoiser, and others
+// that it may have.
+std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFlags& flags) {
+  const std::vector<std::string> names = ReadLayerNames(path, flags.limits);
   if (std::any_of(names.begin(), names.end(), IsOfDenoiser)) {
     throw InputError(InputPosition::File(path), "this picture was denoised already");
   }
   std::vector<std::string> wanted = DenoiserChannels();
-  if (std::find(names.begin(), names.end(), kAlpha) != names.end()) wanted.emplace_back(kAlpha);
+  std::vector<std::string> others = flags.steady > 0 ? FlowChannels() : std::vector<std::string>();
+  others.emplace_back(kAlpha);
+  for (std::string& other : others) {
+    const bool has_it = std::find(names.begin(), names.end(), other) != names.end();
+    if (has_it) wanted.push_back(std::move(other));
+  }
   return wanted;
 }
 
-int DenoiseMain(const DenoiseFlags& flags) {
-  if (std::filesystem::path(flags.output).extension() != ".exr") {
-    throw InputError(InputPosition::File("--output " + flags.output),
-                     "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
-  }
-  CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
-  const std::vector<std::string> layers = LayersOfNoisy(flags.input, flags.limits);
-  const Denoiser by = ResolveDenoiser(flags.by);
-  LayeredImage noisy = ReadOwnColors(flags.input, layers, flags.limits);
-  const Metadata metadata = ReadExrMetadata(flags.input, flags.limits);
-  std::vector<float> alpha = TakeLayer(kAlpha, noisy.layers);
-  const bool straight = IsStraight(metadata);
-  if (straight) Premultiply(alpha, noisy.image);
-  Denoised clean = ArenaOf(flags.threads).execute([&] {
-    return Denoise(by, flags.input, noisy.image, noisy.layers);
-  });
+NoisyPicture ReadNoisy(const DenoiseFlags& flags, const std::string& path,
+                       const std::string& output) {
+  NoisyPicture noisy = {.path = path,
+                        .output = output,
+                        .picture = ReadOwnColors(path, LayersOfNoisy(path, flags), flags.limits),
+                        .alpha = {},
+                        .metadata = ReadExrMetadata(path, flags.limits)};
+  noisy.alpha = TakeLayer(kAlpha, noisy.picture.layers);
+  if (IsStraight(noisy.metadata)) Premultiply(noisy.alpha, noisy.picture.image);
+  return noisy;
+}
+
+// Writes a clean picture, and returns what is to be said of it.
+std::vector<std::string> WriteClean(const DenoiseFlags& flags, Denoiser by, NoisyPicture noisy,
+                                    Denoised clean) {
   Picture picture = {.image = std::move(clean.image),
-                     .alpha = std::move(alpha),
-                     .layers = noisy.layers,
-                     .metadata = OfDerived(metadata, "noisyCommand"),
-                     .placement = noisy.placement,
-                     .space = noisy.space};
-  if (straight) picture.format.alpha = AlphaForm::kStraight;
-  for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
+                     .alpha = std::move(noisy.alpha),
+                     .layers = std::move(noisy.picture.layers),
+                     .metadata = OfDerived(noisy.metadata, "noisyCommand"),
+                     .placement = noisy.picture.placement,
+                     .space = noisy.picture.space};
+  if (IsStraight(noisy.metadata)) picture.format.alpha = AlphaForm::kStraight;
+  picture.notes = NotesOf(clean);
   picture.metadata.emplace_back("denoiser", ToString(by));
   if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);
+  if (flags.steady > 0) picture.metadata.emplace_back("steady", std::to_string(flags.steady));
   Expose(ExposureOfDerived(flags.exposure, picture.metadata), picture);
   picture.layers = std::move(clean.error);
-  WriteExrAndPng(flags.output, picture);
-  if (!flags.quiet) {
-    for (const std::string& note : picture.notes) {
-      Print(stderr, "note: {}\n", SpellFlags(note));
-    }
-    Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
+  WriteExrAndPng(noisy.output, picture);
+  return picture.notes;
+}
+
+// Returns the names of the clean pictures: that of the output, or those of the noisy ones in it.
+std::vector<std::string> OutputsOf(const DenoiseFlags& flags) {
+  const std::filesystem::path output = flags.output;
+  const auto refuse = [&](const std::string& why) {
+    return InputError(InputPosition::File("--output " + flags.output), why, kExitUsage);
+  };
+  if (flags.inputs.size() == 1) {
+    if (output.extension() == ".exr") return {flags.output};
+    throw refuse("the picture is an EXR file, so its name has to end in .exr");
   }
+  if (output.extension() == ".exr") {
+    throw refuse(fmt::format("{} pictures need a folder, in which they keep their names",
+                             flags.inputs.size()));
+  }
+  std::vector<std::string> outputs;
+  std::set<std::string> seen;
+  for (const std::string& input : flags.inputs) {
+    const std::filesystem::path path = input;
+    if (path.extension() != ".exr") {
+      throw InputError(InputPosition::File(input), "is not an EXR file", kExitUsage);
+    }
+    outputs.push_back((output / path.filename()).string());
+    if (!seen.insert(outputs.back()).second) {
+      throw refuse(fmt::format("two of the pictures are called {}", path.filename().string()));
+    }
+  }
+  return outputs;
+}
+
+void CheckAll(const DenoiseFlags& flags, const std::vector<std::string>& outputs) {
+  std::vector<std::string> files;
+  for (const std::string& output : outputs) {
+    files.push_back(output), files.push_back(PngBeside(output));
+  }
+  if (outputs.size() > 1) {
+    std::error_code error;
+    std::filesystem::create_directories(flags.output, error);
+    if (error) {
+      throw InputError(InputPosition::File(flags.output),
+                       "this folder cannot be made: " + error.message(), kExitIo);
+    }
+  }
+  CheckOutputs(files, flags.inputs);
+  for (const std::string& input : flags.inputs) LayersOfNoisy(input, flags);
+}
+
+// Shows progress and says what was done.
+class Teller {
+ public:
+  explicit Teller(const DenoiseFlags& flags)
+      : flags_(flags), display_(flags.progress, flags.inputs.size()) {}
+
+  void Begin(const std::string& path) {
+    if (flags_.inputs.size() > 1) display_.Begin(path, 0);
+  }
+  void Wrote(const std::string& output, const std::vector<std::string>& notes) {
+    if (flags_.inputs.size() > 1) display_.End();
+    if (flags_.progress.quiet) return;
+    display_.Clear();
+    for (const std::string& note : notes) Print(stderr, "note: {}\n", SpellFlags(note));
+    Print(stdout, "wrote {} and {}\n", output, PngBeside(output));
+  }
+
+ private:
+  const DenoiseFlags& flags_;
+  ProgressDisplay display_;
+};
+
+// Cleans each picture by itself.
+void DenoiseEach(const DenoiseFlags& flags, Denoiser by, const std::vector<std::string>& outputs) {
+  Teller teller(flags);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    teller.Begin(flags.inputs[i]);
+    NoisyPicture noisy = ReadNoisy(flags, flags.inputs[i], outputs[i]);
+    Denoised clean = Denoise(by, noisy.path, noisy.picture.image, noisy.picture.layers);
+    teller.Wrote(outputs[i], WriteClean(flags, by, std::move(noisy), std::move(clean)));
+  }
+}
+
+// Cleans the frames of an animation, which steady each other.
+void DenoiseFrames(const DenoiseFlags& flags, const std::vector<std::string>& outputs) {
+  Teller teller(flags);
+  const std::size_t around = std::size_t(flags.steady);
+  std::deque<NoisyPicture> to_write;
+  std::deque<CleanFrame> window;  // its last one has been read last
+  std::size_t read = 0;           // frames
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    teller.Begin(flags.inputs[i]);
+    if (i > around) window.pop_front();
+    for (; read < outputs.size() && read <= i + around; ++read) {
+      NoisyPicture& noisy =
+          to_write.emplace_back(ReadNoisy(flags, flags.inputs[read], outputs[read]));
+      window.push_back(CleanFrameOf(noisy.path, noisy.picture.image, noisy.picture.layers));
+    }
+    std::vector<const CleanFrame*> frames;
+    for (const CleanFrame& frame : window) frames.push_back(&frame);
+    Denoised clean = Steady(frames, i - (read - window.size()));
+    std::vector<std::string> notes =
+        WriteClean(flags, Denoiser::kStatistics, std::move(to_write.front()), std::move(clean));
+    to_write.pop_front();
+    if (i == 0 && window.front().next.known.empty()) {
+      notes.push_back(
+          "the frames have no layers flow and flow-back, so what is not at the same place in all "
+          "of them is not steadied: render them with `aovs denoiser,flow,flow-back`");
+    }
+    teller.Wrote(outputs[i], notes);
+  }
+}
+
+int DenoiseMain(const DenoiseFlags& flags) {
+  const std::vector<std::string> outputs = OutputsOf(flags);
+  const auto refuse_steady = [&](const std::string& why) {
+    return OptionError("steady", std::to_string(flags.steady), why);
+  };
+  if (flags.steady > 0 && flags.by != Denoiser::kStatistics) {
+    throw refuse_steady("frames are steadied by statistics only; leave `by` out");
+  }
+  if (flags.steady > 0 && outputs.size() == 1) {
+    throw refuse_steady("one picture has no frames around it; name all frames, in their order");
+  }
+  CheckAll(flags, outputs);
+  const Denoiser by = ResolveDenoiser(flags.by);
+  ArenaOf(flags.threads).execute([&] {
+    if (flags.steady > 0) return DenoiseFrames(flags, outputs);
+    DenoiseEach(flags, by, outputs);
+  });
   return 0;
 }
 
@@ -94,12 +242,14 @@ std::vector<OptionOf<DenoiseFlags>> DenoiseOptions() {
   constexpr OptionMaker<DenoiseFlags> option = {};
   // clang-format off
   return {
-    option({.name = "input", .help = "EXR with the layers of --aovs denoiser", .scope = OptionScope::kInput, .metavar = "EXR", .positional = true, .required = true}, FIELD(input), Texts("EXR")),
-    option({.name = "output", .help = "EXR file with the layer error (not by quick), and a PNG of the same name", .metavar = "EXR", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
+    option({.name = "inputs", .help = "EXR with the layers of --aovs denoiser; several: each, or the frames of an animation, in their order", .scope = OptionScope::kInput, .metavar = "EXR ...", .positional = true, .required = true, .most_values = 1 << 20}, FIELD(inputs), Texts("EXR")),
+    option({.name = "output", .help = "EXR file with the layer error (not by quick), and a PNG of the same name; for several pictures a folder, in which they keep their names", .metavar = "EXR|FOLDER", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
     option({.name = "by", .help = "statistics of the samples, Open Image Denoise (oidn), quick, the same without its error in a third of the time, best, by a mean of both that is weighted by their errors, or auto, by both if it is installed", .scope = OptionScope::kPixels}, FIELD(by), Methods()),
+    option({.name = "steady", .help = "frames before and after each one by which it is steadied, where they show the same (--aovs denoiser,flow,flow-back)", .scope = OptionScope::kPixels}, FIELD(steady), Numbers(0, 8)),
     option({.name = "threads", .help = "0: as many as the process may use", .scope = OptionScope::kSpeed}, FIELD(threads), Numbers(0, 4096)),
     option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
-    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    ProgressOption<DenoiseFlags>(),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
   };
   // clang-format on
 }
@@ -112,9 +262,10 @@ Command DenoiseCommand() {
   Command command = {.name = "denoise",
                      .summary = "Make a clean picture from the layers of a noisy one",
                      .footer =
-                         "Example:\n"
+                         "Examples:\n"
                          "  skywave render gallery --aovs denoiser -o noisy.exr\n"
-                         "  skywave denoise noisy.exr -o clean.exr",
+                         "  skywave denoise noisy.exr -o clean.exr\n"
+                         "  skywave denoise frames/*.exr --steady 2 -o clean/",
                      .run = [flags](const GivenOptions&) { return DenoiseMain(*flags); }};
   AddOptions(command, DenoiseOptions(), flags);
   AddOptions(command, ExposureOptions(), std::shared_ptr<ExposureRequest>(flags, &flags->exposure));

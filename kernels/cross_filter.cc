@@ -77,18 +77,32 @@ void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
   }
 }
 
-// Writes the squared distances z between the pixels of a tile, one more on each side, and those at
-// `offset`; sums of three in a row go to `sums`.
-HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& half, const FilterTile& tile,
-                          std::ptrdiff_t offset, TilePlane& z, TilePlane& sums) {
+// What the pixels of a tile are compared with: pixels of the same planes some pixels away, or what
+// another frame has of them.
+struct Neighbours {
+  FeaturePlanes features;
+  HalfPlanes halves[2];
+  std::size_t first, pitch;  // place of that of the tile's first pixel; places from row to row
+  float dx, dy;              // from a pixel to its neighbour
+
+  std::size_t at(int x, int y) const {
+    return std::size_t(std::ptrdiff_t(first) + std::ptrdiff_t(pitch) * y + x);
+  }
+};
+
+// Writes the squared distances z between the pixels of a tile, one more on each side, and their
+// neighbours, by one half; sums of three in a row go to `sums`.
+HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& here, const FilterTile& tile,
+                          const Neighbours& neighbours, int half, TilePlane& z, TilePlane& sums) {
+  const HalfPlanes& there = neighbours.halves[half];
   const int lanes = static_cast<int>(hn::Lanes(F()));
   for (int y = -1; y <= tile.height; ++y) {
-    const std::size_t row = shape.at(tile.x, tile.y + y);
+    const std::size_t row = shape.at(tile.x, tile.y + y), their_row = neighbours.at(0, y);
     for (int x = -1; x <= tile.width; x += lanes) {
-      const std::size_t i = row + std::size_t(x), j = i + std::size_t(offset);
+      const std::size_t i = row + std::size_t(x), j = their_row + std::size_t(x);
       const V3 d =
-          Load3(half.r + i, half.g + i, half.b + i) - Load3(half.r + j, half.g + j, half.b + j);
-      const VF noise = Load(half.noise + i) + Load(half.noise + j) + kNoNoise;
+          Load3(here.r + i, here.g + i, here.b + i) - Load3(there.r + j, there.g + j, there.b + j);
+      const VF noise = Load(here.noise + i) + Load(there.noise + j) + kNoNoise;
       Store(hn::Min(Dot(d, d) / noise, Set(1e6f)), z.at(x, y));
     }
     for (int x = 0; x < tile.width; x += lanes) {
@@ -98,19 +112,22 @@ HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& half, const
   }
 }
 
-// Returns the squared distance of the features of pixels i and j, which is (dx, dy) away.
-HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, std::size_t j, VF dx, VF dy) {
+// Returns the squared distance of the features of pixels i and of their neighbours j.
+HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, const Neighbours& neighbours,
+                              std::size_t j) {
+  const FeaturePlanes& g = neighbours.features;
   const V3 normal = Load3(f.normal_x + i, f.normal_y + i, f.normal_z + i) -
-                    Load3(f.normal_x + j, f.normal_y + j, f.normal_z + j);
+                    Load3(g.normal_x + j, g.normal_y + j, g.normal_z + j);
   const V3 albedo = Load3(f.albedo_r + i, f.albedo_g + i, f.albedo_b + i) -
-                    Load3(f.albedo_r + j, f.albedo_g + j, f.albedo_b + j);
+                    Load3(g.albedo_r + j, g.albedo_g + j, g.albedo_b + j);
   // The depth of a plane changes from pixel to pixel, so the distance of j from the plane of i
   // counts.
-  const VF slope = Load(f.depth_dx + i) * dx + Load(f.depth_dy + i) * dy;
-  const VF depth = Load(f.depth + j) - Load(f.depth + i) - slope;
+  const VF slope =
+      Load(f.depth_dx + i) * Set(neighbours.dx) + Load(f.depth_dy + i) * Set(neighbours.dy);
+  const VF depth = Load(g.depth + j) - Load(f.depth + i) - slope;
   const VF of_surface = Dot(normal, normal) + Dot(albedo, albedo) + depth * depth;
   // Where nothing was hit there are no features.
-  const VF here = Load(f.coverage + i), there = Load(f.coverage + j);
+  const VF here = Load(f.coverage + i), there = Load(g.coverage + j);
   const VF both = hn::Min(here, there), coverage = here - there;
   const VF share = both * kCoverageUnit;
   return share * share * of_surface + coverage * coverage;
@@ -168,34 +185,9 @@ struct CrossSums {
   Averages averages[2];
 };
 
-// Adds the neighbours at (dx, dy): each half is weighted by the other one.
-HWY_INLINE void AddNeighbours(const PlaneShape& shape, const FeaturePlanes& features,
-                              const HalfPlanes (&in)[2], const FilterTile& tile, int dx, int dy,
-                              CrossSums& sums) {
-  const std::ptrdiff_t offset = std::ptrdiff_t(shape.pitch()) * dy + dx;
-  for (int half = 0; half < 2; ++half) {
-    Distances(shape, in[half], tile, offset, sums.z[half], sums.three[half]);
-  }
-  ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
-    const std::size_t j = i + std::size_t(offset);
-    const VF of_features =
-        FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))) * (0.5f / kLimit);
-    const VF trust = Set(1.0f) - of_features;
-    if (hn::AllTrue(F(), hn::Le(trust, hn::Zero(F())))) return;
-    for (int half = 0; half < 2; ++half) {
-      TilePlane& rows = sums.three[half];
-      const VF around = Load(rows.at(x, y - 1)) + Load(rows.at(x, y + 1)) + Load(rows.at(x, y));
-      const VF weight =
-          NeighbourWeight(trust, around, Load(sums.z[half].at(x, y)),
-                          Load(in[half].noise + i) + kNoNoise, Load(in[half].noise + j) + kNoNoise);
-      sums.averages[1 - half].Add(x, y, in[1 - half], j, weight);
-    }
-  });
-}
-
-void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
-                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
-  CrossSums sums;
+// Begins with the pixels of a tile themselves.
+HWY_INLINE void BeginSums(const PlaneShape& shape, const HalfPlanes (&in)[2],
+                          const FilterTile& tile, CrossSums& sums) {
   // A pixel equals itself.
   ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
     for (int half = 0; half < 2; ++half) {
@@ -203,12 +195,33 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
       sums.averages[half].Add(x, y, in[half], i, Set(1.0f));
     }
   });
-  for (int y = -level.radius; y <= level.radius; ++y) {
-    for (int x = -level.radius; x <= level.radius; ++x) {
-      if (x == 0 && y == 0) continue;
-      AddNeighbours(shape, features, in, tile, x * level.stride, y * level.stride, sums);
-    }
+}
+
+// Adds neighbours: each half is weighted by the other one.
+HWY_INLINE void AddNeighbours(const PlaneShape& shape, const FeaturePlanes& features,
+                              const HalfPlanes (&in)[2], const FilterTile& tile,
+                              const Neighbours& neighbours, CrossSums& sums) {
+  for (int half = 0; half < 2; ++half) {
+    Distances(shape, in[half], tile, neighbours, half, sums.z[half], sums.three[half]);
   }
+  ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
+    const std::size_t j = neighbours.at(x, y);
+    const VF trust = Set(1.0f) - FeatureDistance(features, i, neighbours, j) * (0.5f / kLimit);
+    if (hn::AllTrue(F(), hn::Le(trust, hn::Zero(F())))) return;
+    for (int half = 0; half < 2; ++half) {
+      TilePlane& rows = sums.three[half];
+      const VF around = Load(rows.at(x, y - 1)) + Load(rows.at(x, y + 1)) + Load(rows.at(x, y));
+      const VF weight = NeighbourWeight(trust, around, Load(sums.z[half].at(x, y)),
+                                        Load(in[half].noise + i) + kNoNoise,
+                                        Load(neighbours.halves[half].noise + j) + kNoNoise);
+      sums.averages[1 - half].Add(x, y, neighbours.halves[1 - half], j, weight);
+    }
+  });
+}
+
+// Writes the averages that sums say.
+HWY_INLINE void WriteAverages(const PlaneShape& shape, const FilterTile& tile, CrossSums& sums,
+                              const HalfPlanes (&out)[2]) {
   ForEachVector(shape, tile, [&](int x, int y, std::size_t i) HWY_ATTR {
     for (int half = 0; half < 2; ++half) {
       Averages& a = sums.averages[half];
@@ -220,6 +233,40 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
       Store(Load(a.noise.at(x, y)) * scale * scale, to.noise + i);
     }
   });
+}
+
+void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
+                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  CrossSums sums;
+  BeginSums(shape, in, tile, sums);
+  for (int y = -level.radius; y <= level.radius; ++y) {
+    for (int x = -level.radius; x <= level.radius; ++x) {
+      if (x == 0 && y == 0) continue;
+      const int dx = x * level.stride, dy = y * level.stride;
+      const Neighbours neighbours = {
+          features,      {in[0], in[1]}, shape.at(tile.x + dx, tile.y + dy),
+          shape.pitch(), float(dx),      float(dy)};
+      AddNeighbours(shape, features, in, tile, neighbours, sums);
+    }
+  }
+  WriteAverages(shape, tile, sums, out);
+}
+
+void AverageFrames(const PlaneShape& shape, const FeaturePlanes& features,
+                   const HalfPlanes (&in)[2], std::span<const BroughtTile> others,
+                   const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  CrossSums sums;
+  BeginSums(shape, in, tile, sums);
+  for (const BroughtTile& other : others) {
+    const Neighbours neighbours = {other.features,
+                                   {other.halves[0], other.halves[1]},
+                                   other.shape.at(0, 0),
+                                   other.shape.pitch(),
+                                   0,
+                                   0};
+    AddNeighbours(shape, features, in, tile, neighbours, sums);
+  }
+  WriteAverages(shape, tile, sums, out);
 }
 
 // Writes the larger of the means over 3 x 3 and 5 x 5 pixels.
@@ -294,6 +341,7 @@ namespace skywave {
 HWY_EXPORT(SmoothNoise);
 HWY_EXPORT(TakeLogarithms);
 HWY_EXPORT(CrossFilter);
+HWY_EXPORT(AverageFrames);
 HWY_EXPORT(EstimateError);
 
 void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, const HalfPlanes& other,
@@ -306,6 +354,11 @@ void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
 void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
                  const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
   HWY_DYNAMIC_DISPATCH(CrossFilter)(shape, features, in, level, tile, out);
+}
+void AverageFrames(const PlaneShape& shape, const FeaturePlanes& features,
+                   const HalfPlanes (&in)[2], std::span<const BroughtTile> others,
+                   const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  HWY_DYNAMIC_DISPATCH(AverageFrames)(shape, features, in, others, tile, out);
 }
 void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
                    const HalfPlanes (&filtered)[2], const FilterTile& tile,

@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace skywave {
 
@@ -109,6 +110,21 @@ void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane);
 // The rim of `out` is not written.
 void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
                  const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]);
+
+// What another frame of an animation shows of the surfaces of a tile, at their places in this one:
+// planes of the size of the tile, of which the rim is written one pixel wide. Where it does not
+// show them, coverage is kNoCoverage.
+struct BroughtTile {
+  PlaneShape shape;
+  FeaturePlanes features;
+  HalfPlanes halves[2];
+};
+
+// Averages a tile over frames: writes the mean of what is equal within its noise, each half
+// weighted by the other one, and its noise. The rim of `out` is not written.
+void AverageFrames(const PlaneShape& shape, const FeaturePlanes& features,
+                   const HalfPlanes (&in)[2], std::span<const BroughtTile> others,
+                   const FilterTile& tile, const HalfPlanes (&out)[2]);
 
 // One row is one pixel of a plane.
 struct ErrorPlanes {

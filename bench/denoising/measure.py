@@ -6,6 +6,7 @@
     bench/denoising/measure.py --data DATA -o OUT --cost                        # its time
     bench/denoising/measure.py --data DATA -o OUT --until 0.001                 # time to an error
     bench/denoising/measure.py --data DATA -o OUT --by statistics oidn best     # side by side
+    bench/denoising/measure.py --data DATA -o OUT --flicker                     # of frames
 
 Six scenes are rendered with --samples and once with --reference samples. The first table has the
 relative mean squared error of the noisy and of the clean picture, how many times smaller it is, and
@@ -14,8 +15,10 @@ picture, the clean one and the reference. --cost renders the bunny with and with
 turns, and reports the medians. --until doubles the samples, or lowers the error of --adaptive,
 until a picture has this relative mean squared error, plain and denoised, and reports the processor
 time of the whole command, which other work on the machine changes little. --by puts denoisers side
-by side: relative mean squared errors, and the values outside of their intervals. Pictures that are
-in OUT are not rendered again.
+by side: relative mean squared errors, and the values outside of their intervals. --flicker renders
+eight frames of scenes that stand still and cleans them, each by itself and steadied by two frames
+on each side: the variance of a pixel over the frames, relative to its squared mean, and the errors.
+Pictures that are in OUT are not rendered again.
 """
 
 import argparse
@@ -43,6 +46,7 @@ SCENES = {
     "helmet": ("glb/DamagedHelmet.glb --env probes/latlong/grace_latlong.exr", 2),
     "lamps": ("lamps", 1),
 }
+FRAMES = 8  # of --flicker
 COST_SIZES = ["640x480", "1920x1080", "3840x2160"]
 
 
@@ -114,6 +118,46 @@ def side_by_side(args):
         print(*row, flush=True)
     columns = [column for by in args.by for column in (by, "outside of 95 %")]
     return lines_of_table(["scene", "samples", "noisy", *columns], rows, 1)
+
+
+def relative_variance(frames):
+    """Returns the mean over pixels of their variance over frames, by their squared brightness. The
+    darkest count as a tenth as bright as the mean of the pictures."""
+    values = [[value for row in rows for value in row] for _, _, rows in frames]
+    count = len(frames)
+    means = [sum(column) / count for column in zip(*values)]
+    variances = [sum((value - mean)**2 for value in column) / (count - 1)
+                 for column, mean in zip(zip(*values), means)]
+    floor = 0.01 * (sum(means) / len(means))**2
+    pixels = range(0, len(means), 3)
+    return sum(sum(variances[i:i + 3]) / 3 / ((sum(means[i:i + 3]) / 3)**2 + floor)
+               for i in pixels) / len(pixels)
+
+
+def flicker(args):
+    rows = []
+    for scene in args.scenes:
+        stem = args.output / scene.replace(" ", "_")
+        reference = Path(f"{stem}_reference.exr")
+        render(args, scene, args.reference, reference, "--seed", "99", "--aovs", "variance,samples")
+        for samples in args.samples:
+            noisy = [Path(f"{stem}_{samples}_frame{i}.exr") for i in range(1, FRAMES + 1)]
+            for i, frame in enumerate(noisy, 1):
+                render(args, scene, samples, frame, "--aovs", "denoiser", "--frame", i)
+            row = [scene, str(samples)]
+            errors = []
+            for folder, flags in (("alone", ()), ("steady", ("--steady", 2))):
+                run(args.program, "denoise", *noisy, "-o", args.output / folder, "--quiet", *flags)
+                clean = [args.output / folder / frame.name for frame in noisy]
+                row.append(relative_variance([read_exr(frame) for frame in clean]))
+                errors.append(sum(compare(args, frame, reference)["relative_mse"]
+                                  for frame in clean) / FRAMES)
+            alone, steady = row[2:]
+            rows.append([*row[:2], number(alone), number(steady), number(alone / steady),
+                         *map(number, errors)])
+            print(*rows[-1], flush=True)
+    return lines_of_table(["scene", "samples", "alone", "steadied", "times less", "error alone",
+                           "error steadied"], rows, 1)
 
 
 def cost(args):
@@ -193,6 +237,7 @@ def main():
     parser.add_argument("--reference", type=int, default=16384)
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
     parser.add_argument("--by", nargs="+", metavar="DENOISER", help="of `skywave denoise --by`")
+    parser.add_argument("--flicker", action="store_true")
     parser.add_argument("--cost", action="store_true")
     parser.add_argument("--repeats", type=int, default=5, help="of --cost")
     parser.add_argument("--until", type=float, metavar="ERROR")
@@ -201,8 +246,8 @@ def main():
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     print(processor())
-    table = (cost if args.cost else until if args.until else side_by_side if args.by
-             else quality)
+    table = (flicker if args.flicker else cost if args.cost else until if args.until
+             else side_by_side if args.by else quality)
     print("\n".join(table(args)))
 
 

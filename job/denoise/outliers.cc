@@ -143,10 +143,8 @@ OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
   for (const std::vector<Outlier>& row : rows) {
     for (const Outlier& outlier : row) {
       const std::size_t at = shape.at(outlier.x, outlier.y);
-      const std::size_t pixel =
-          std::size_t(outlier.y) * std::size_t(shape.width) + std::size_t(outlier.x);
       const HalfPlanes& half = planes.halves[outlier.half];
-      const float second = input.half_samples[pixel] / input.samples[pixel];
+      const float second = planes.second[at];
       const float taken = (1 - outlier.left) * (outlier.half == 0 ? 1 - second : second);
       excess->r[at] += taken * half.r[at] * planes.texture->r[at];
       excess->g[at] += taken * half.g[at] * planes.texture->g[at];
@@ -155,6 +153,7 @@ OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
       half.noise[at] = outlier.noise;
     }
   }
+  for (const soa::Table<HalfPlanes>& half : planes.halves) RepeatEdges(shape, half);
   // Pixel i gives to pixel j in proportion to the share of j. The mean is symmetric, so what i
   // gives adds up to its excess.
   soa::Table<SharePlanes> shares(std::uint32_t(shape.size()));

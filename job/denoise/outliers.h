@@ -12,8 +12,8 @@ struct OutlierExcess {
   soa::Table<TexturePlanes> spread;  // radiance to be added to the picture; empty without outliers
 };
 
-// Takes the excess of outliers out of both halves of the planes, whose rims are written, and
-// returns it spread over the surfaces around.
+// Takes the excess of outliers out of both halves of the planes, and returns it spread over the
+// surfaces around.
 OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes);
 
 }  // namespace skywave

@@ -18,6 +18,7 @@ constexpr float kDarkest = 0.02f;
 
 DenoiserPlanes::DenoiserPlanes(const PlaneShape& given)
     : shape(given),
+      second(shape.size()),
       texture(std::uint32_t(shape.size()), soa::Touch::kLater),
       halves{soa::Table<HalfPlanes>(std::uint32_t(shape.size()), soa::Touch::kLater),
              soa::Table<HalfPlanes>(std::uint32_t(shape.size()), soa::Touch::kLater)},
@@ -37,6 +38,7 @@ void ReadRow(const DenoiserInput& input, int y, DenoiserPlanes& planes) {
     const std::size_t pixel = std::size_t(y) * std::size_t(input.image.width) + std::size_t(x);
     const std::size_t at = planes.shape.at(x, y);
     const float coverage = input.coverage[pixel];
+    planes.second[at] = input.half_samples[pixel] / input.samples[pixel];
     const float n = input.samples[pixel], n1 = input.half_samples[pixel], n0 = n - n1;
     float noise0 = 0, noise1 = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -112,6 +114,18 @@ void FillRim(const PlaneShape& shape, float value, float* plane) {
     std::fill(row - PlaneShape::kRim, inside ? row : row + end, value);
     if (inside) std::fill(row + shape.width, row + end, value);
   }
+}
+
+DenoiserPlanes ReadPlanes(const DenoiserInput& input) {
+  const PlaneShape shape = {input.image.width, input.image.height};
+  DenoiserPlanes planes(shape);
+  planes.brightness = input.brightness;
+  tbb::parallel_for(0, shape.height, [&](int y) { ReadRow(input, y, planes); });
+  FillRim(shape, kNoCoverage, planes.features->coverage);
+  tbb::parallel_for(0, shape.height, [&](int y) { FindSlopes(shape, y, planes.features); });
+  for (const soa::Table<HalfPlanes>& half : planes.halves) RepeatEdges(shape, half);
+  RepeatEdges(shape, planes.texture);
+  return planes;
 }
 
 }  // namespace skywave

@@ -91,10 +91,52 @@ TEST_F(DenoiseProgram, ThreadsDoNotChangeABatchOrABlockThatEndsEarly) {
   EXPECT_EQ(ReadImage(Path("0.exr")).rgb, ReadImage(Path("alone.exr")).rgb);
 }
 
+// Several pictures become files of the same names in a folder, each by itself unless the frames
+// steady each other.
+TEST_F(DenoiseProgram, SeveralPicturesAreCleanedIntoAFolder) {
+  for (const std::string frame : {"1", "2", "3"}) {
+    Make(kRender + std::string("--aovs denoiser --frame ") + frame + " -o f" + frame + ".exr");
+  }
+  Make("denoise f1.exr f2.exr f3.exr -q -o clean");
+  Make("denoise f2.exr -q -o one.exr");
+  EXPECT_EQ(Bytes("clean/f2.exr"), Bytes("one.exr"));
+  EXPECT_EQ(Bytes("clean/f2.png"), Bytes("one.png"));
+  EXPECT_EQ(ValueOf(ReadExrMetadata(Path("one.exr")), "steady"), "");
+
+  const Result steady = Run("denoise f1.exr f2.exr f3.exr --steady 1 --threads 1 -o steady");
+  EXPECT_EQ(steady.exit_code, 0);
+  EXPECT_NE(steady.err.find("no layers flow and flow-back"), std::string::npos) << steady.err;
+  Make("denoise f1.exr f2.exr f3.exr --steady 1 --threads 2 -q -o again/");
+  EXPECT_EQ(Bytes("steady/f2.exr"), Bytes("again/f2.exr"));
+  EXPECT_EQ(ValueOf(ReadExrMetadata(Path("steady/f2.exr")), "steady"), "1");
+  EXPECT_NE(ReadImage(Path("steady/f2.exr")).rgb, ReadImage(Path("one.exr")).rgb);
+  // The third frame is not beside the first one.
+  Make("denoise f1.exr f2.exr --steady 1 -q -o two");
+  EXPECT_EQ(Bytes("steady/f1.exr"), Bytes("two/f1.exr"));
+  EXPECT_NE(Bytes("steady/f2.exr"), Bytes("two/f2.exr"));
+  Make("denoise f2.exr f3.exr --steady 1 -q -o two");
+  EXPECT_EQ(Bytes("steady/f3.exr"), Bytes("two/f3.exr"));
+}
+
+TEST_F(DenoiseProgram, FramesThatCannotSteadyEachOtherAreRefused) {
+  Make(kRender + std::string("--aovs denoiser -o a.exr"));
+  Make("render spheres --size 16x12 --spp 16 -q --aovs denoiser -o small.exr");
+  Put("a.txt", "");
+  ExpectRefused("denoise a.exr small.exr -o b.exr", kExitUsage, "need a folder");
+  ExpectRefused("denoise a.exr ./a.exr -o b", kExitUsage, "two of the pictures are called a.exr");
+  ExpectRefused("denoise a.exr a.txt -o b", kExitUsage, "a.txt: is not an EXR file");
+  ExpectRefused("denoise a.exr --steady 1 -o b.exr", kExitUsage, "has no frames around it");
+  ExpectRefused("denoise a.exr small.exr --steady 1 --by best -o b", kExitUsage,
+                "steadied by statistics only");
+  const Result small = Run("denoise a.exr small.exr --steady 1 -o b");
+  EXPECT_EQ(small.exit_code, kExitBadInput);
+  EXPECT_NE(small.err.find("small.exr: has 16x12 pixels"), std::string::npos) << small.err;
+}
+
 TEST_F(DenoiseProgram, UnusableInputsAndOutputsAreRefused) {
   Make(kRender + std::string("--denoise --aovs denoiser -o clean.exr"));
   Make(kRender + std::string("--aovs albedo -o albedo.exr"));
-  Make(kRender + std::string("--aovs denoiser --sample-range 4:12 -o half.exr"));
+  Make(kRender + std::string("--aovs denoiser --sample-range 8:12 -o half.exr"));
   Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
   ExpectRefused("denoise clean.exr -o a.exr", kExitBadInput, "was denoised already");
   ExpectRefused("denoise albedo.exr -o a.exr", kExitBadInput, "shading-normal.X");
@@ -105,8 +147,8 @@ TEST_F(DenoiseProgram, UnusableInputsAndOutputsAreRefused) {
   const std::string before = Bytes("noisy.exr");
   ExpectRefused("denoise noisy.exr -o noisy.exr", kExitUsage, "noisy.exr");
   EXPECT_EQ(Bytes("noisy.exr"), before);
-  ExpectRefused("render spheres --size 8x6 --spp 4 --denoise -o a.exr", kExitUsage,
-                "--spp 8 or more");
+  ExpectRefused("render spheres --size 8x6 --spp 3 --denoise -o a.exr", kExitUsage,
+                "--spp 4 or more");
   ExpectRefused("render spheres --size 8x6 --spp 8 --denoise --integrator bdpt -o a.exr",
                 kExitUsage, "--integrator bdpt");
   ExpectRefused("render spheres --size 8x6 --spp 8 --denoise --max-depth 0 -o a.exr", kExitUsage,
@@ -138,10 +180,10 @@ TEST_F(DenoiseProgram, LayersThatNeedTooMuchMemoryAreRefused) {
 // A film of too few samples for a denoiser keeps what it reads all the same.
 TEST_F(DenoiseProgram, ASnapshotOfTooFewSamplesStaysNoisy) {
   const Result result =
-      Run("render spheres --size 32x24 --spp 16 --sample-range 0:4 --denoise -o a.exr");
+      Run("render spheres --size 32x24 --spp 16 --sample-range 0:2 --denoise -o a.exr");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_NE(result.err.find("not denoised"), std::string::npos) << result.err;
-  Make(kRender + std::string("--sample-range 0:4 -o b.exr"));
+  Make(kRender + std::string("--sample-range 0:2 -o b.exr"));
   EXPECT_EQ(ReadImage(Path("a.exr")).rgb, ReadImage(Path("b.exr")).rgb);
 }
 

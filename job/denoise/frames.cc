@@ -1,0 +1,301 @@
+#include "job/denoise/frames.h"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "job/denoise/candidate.h"
+#include "kernels/cross_filter.h"
+
+namespace skywave {
+namespace {
+
+// How far from where it began flow there and back may end [pixels], and how much more by its
+// length. Flow is that of the sample nearest to the middle of a pixel.
+constexpr float kAstray = 0.5f, kAstrayByLength = 0.05f;
+
+constexpr float kLost = std::numeric_limits<float>::quiet_NaN();
+
+// Where another frame shows what pixels of this one see [pixels of its film, from the top left],
+// by pixel; kLost: nowhere.
+struct Places {
+  std::vector<float> x, y;
+};
+
+std::size_t PixelAt(const PlaneShape& shape, float x, float y) {
+  return std::size_t(y) * std::size_t(shape.width) + std::size_t(x);
+}
+
+bool IsInside(const PlaneShape& shape, float x, float y) {
+  return x >= 0 && y >= 0 && x < float(shape.width) && y < float(shape.height);
+}
+
+Places PlacesHere(const PlaneShape& shape) {
+  const std::size_t pixels = std::size_t(shape.width) * std::size_t(shape.height);
+  Places places = {std::vector<float>(pixels), std::vector<float>(pixels)};
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+    places.x[pixel] = float(pixel % std::size_t(shape.width)) + 0.5f;
+    places.y[pixel] = float(pixel / std::size_t(shape.width)) + 0.5f;
+  }
+  return places;
+}
+
+// Goes one frame further, by the flow of the frame that the places are in, which is led back by
+// that of the next one.
+void Follow(const PlaneShape& shape, const FrameFlow& flow, const FrameFlow& back, Places& places) {
+  if (flow.known.empty()) return;
+  ForEachPixel(shape, [&](std::size_t pixel, std::size_t) {
+    float &x = places.x[pixel], &y = places.y[pixel];
+    if (std::isnan(x)) return;
+    const std::size_t from = PixelAt(shape, x, y);
+    const float dx = flow.x[from], dy = flow.y[from];
+    x += dx, y += dy;
+    bool is_known = flow.known[from] > 0 && IsInside(shape, x, y);
+    if (is_known) {
+      const std::size_t to = PixelAt(shape, x, y);
+      const float astray = std::hypot(dx + back.x[to], dy + back.y[to]);
+      is_known = back.known[to] > 0 && astray <= kAstray + kAstrayByLength * std::hypot(dx, dy);
+    }
+    if (!is_known) x = y = kLost;
+  });
+}
+
+// The values of a plane between the centres of four pixels.
+struct Between {
+  Between(const PlaneShape& shape, float x, float y) : pitch(shape.pitch()) {
+    const float left = std::clamp(x - 0.5f, 0.0f, float(shape.width - 1));
+    const float top = std::clamp(y - 0.5f, 0.0f, float(shape.height - 1));
+    at = shape.at(int(left), int(top));
+    u = left - std::floor(left), v = top - std::floor(top);
+  }
+  float Of(const float* plane) const {
+    const float* const corner = plane + at;
+    const float above = corner[0] + u * (corner[1] - corner[0]);
+    const float below = corner[pitch] + u * (corner[pitch + 1] - corner[pitch]);
+    return above + v * (below - above);
+  }
+
+  std::size_t at, pitch;
+  float u, v;
+};
+
+// Planes of the size of a tile.
+struct TilePlanes {
+  TilePlanes()
+      : features(std::uint32_t(kShape.size())),
+        halves{soa::Table<HalfPlanes>(std::uint32_t(kShape.size())),
+               soa::Table<HalfPlanes>(std::uint32_t(kShape.size()))} {}
+  static constexpr PlaneShape kShape = {FilterTile::kWidth, FilterTile::kHeight};
+
+  operator BroughtTile() const { return {kShape, features, {halves[0], halves[1]}}; }
+
+  soa::Table<FeaturePlanes> features;
+  soa::Table<HalfPlanes> halves[2];
+};
+
+// Writes what `frame` shows of a tile of `here`, and one pixel around it.
+void Bring(const CleanFrame& here, const CleanFrame& frame, const Places& places,
+           const FilterTile& tile, const TilePlanes& to) {
+  const PlaneShape& shape = here.planes.shape;
+  // The light of each frame is in units of its own brightness.
+  const float scale = frame.planes.brightness / here.planes.brightness;
+  const std::vector<float*> features = ColumnsOf(frame.planes.features.columns());
+  const std::vector<float*> brought = ColumnsOf(to.features.columns());
+  for (int y = -1; y <= tile.height; ++y) {
+    for (int x = -1; x <= tile.width; ++x) {
+      const std::size_t there = TilePlanes::kShape.at(x, y);
+      const int px = std::clamp(tile.x + x, 0, shape.width - 1);
+      const int py = std::clamp(tile.y + y, 0, shape.height - 1);
+      const std::size_t pixel = std::size_t(py) * std::size_t(shape.width) + std::size_t(px);
+      if (std::isnan(places.x[pixel])) {
+        to.features->coverage[there] = kNoCoverage;
+        continue;
+      }
+      const Between between(shape, places.x[pixel], places.y[pixel]);
+      for (std::size_t i = 0; i < features.size(); ++i) {
+        brought[i][there] = between.Of(features[i]);
+      }
+      // Things may come nearer; that they are the same is known from the way back.
+      if (!here.next.known.empty()) {
+        to.features->depth[there] = here.planes.features->depth[shape.at(px, py)];
+      }
+      for (int h = 0; h < 2; ++h) {
+        const HalfPlanes &from = frame.halves[h], &half = to.halves[h];
+        half.r[there] = scale * between.Of(from.r);
+        half.g[there] = scale * between.Of(from.g);
+        half.b[there] = scale * between.Of(from.b);
+        half.noise[there] = scale * scale * between.Of(from.noise);
+      }
+    }
+  }
+}
+
+// What an other frame shows, and where.
+struct OtherFrame {
+  const CleanFrame* frame;
+  Places places;
+};
+
+// Returns the mean of the excess of outliers, as far as frames show the same.
+OutlierExcess AverageExcess(const CleanFrame& here, const std::vector<OtherFrame>& others) {
+  const PlaneShape& shape = here.planes.shape;
+  OutlierExcess mean = {.outliers = here.outliers.outliers, .spread = {}};
+  std::vector<const OtherFrame*> with;
+  for (const OtherFrame& other : others) {
+    if (other.frame->outliers.outliers != 0) with.push_back(&other);
+  }
+  if (mean.outliers == 0 && with.empty()) return mean;
+  mean.spread = soa::Table<TexturePlanes>(std::uint32_t(shape.size()));
+  const TexturePlanes &to = mean.spread, &own = here.outliers.spread;
+  ForEachPixel(shape, [&](std::size_t pixel, std::size_t at) {
+    float count = 1;
+    for (const OtherFrame& other : others) count += float(!std::isnan(other.places.x[pixel]));
+    if (own.r != nullptr) to.r[at] = own.r[at], to.g[at] = own.g[at], to.b[at] = own.b[at];
+    for (const OtherFrame* other : with) {
+      if (std::isnan(other->places.x[pixel])) continue;
+      const Between between(shape, other->places.x[pixel], other->places.y[pixel]);
+      const TexturePlanes& from = other->frame->outliers.spread;
+      to.r[at] += between.Of(from.r);
+      to.g[at] += between.Of(from.g);
+      to.b[at] += between.Of(from.b);
+    }
+    to.r[at] /= count, to.g[at] /= count, to.b[at] /= count;
+  });
+  return mean;
+}
+
+// Replaces the noise of clean halves by thrice what they differ by around, where that is more.
+// Pixels that were averaged with the same ones share their noise, which they do not know of each
+// other, and so share the distance from other frames: that of 3 x 3 pixels is that of one, whose
+// squares vary.
+void MeasureNoise(const PlaneShape& shape, const HalfTables& halves) {
+  constexpr int kAround = 3;  // pixels on each side
+  const HalfPlanes &a = halves[0], &b = halves[1];
+  std::vector<float> noise(shape.size());
+  for (std::size_t at = 0; at < shape.size(); ++at) {
+    const float dr = a.r[at] - b.r[at], dg = a.g[at] - b.g[at], db = a.b[at] - b.b[at];
+    noise[at] = 1.5f * (dr * dr + dg * dg + db * db);
+  }
+  AverageAround(shape, kAround, noise);
+  for (const HalfPlanes& half : {a, b}) {
+    ForEachPixel(shape, [&](std::size_t, std::size_t at) {
+      half.noise[at] = std::max(half.noise[at], noise[at]);
+    });
+    RepeatEdge(shape, half.noise);
+  }
+}
+
+FrameFlow FlowOf(const std::string& layer, std::span<const NamedChannel> layers) {
+  const auto find = [&](const char* letter) {
+    const auto found = std::find_if(layers.begin(), layers.end(), [&](const NamedChannel& channel) {
+      return channel.name == layer + letter;
+    });
+    return found == layers.end() ? std::vector<float>() : found->values;
+  };
+  return {find(".X"), find(".Y"), find(".A")};
+}
+
+void CheckAlike(const CleanFrame& frame, const CleanFrame& other) {
+  const PlaneShape &a = frame.planes.shape, &b = other.planes.shape;
+  if (a.width != b.width || a.height != b.height) {
+    throw InputError(InputPosition::File(other.name),
+                     fmt::format("has {}x{} pixels, and the frame {} has {}x{}", b.width, b.height,
+                                 frame.name, a.width, a.height));
+  }
+  if (frame.next.known.empty() != other.next.known.empty()) {
+    const bool has = !other.next.known.empty();
+    throw InputError(InputPosition::File(other.name),
+                     fmt::format("has {}, and the frame {} has {}; give all frames the layers flow "
+                                 "and flow-back, or none",
+                                 has ? "flow" : "no flow", frame.name, has ? "none" : "it"));
+  }
+}
+
+// Follows what `here` sees through successive frames, `step` apart.
+void FollowAll(std::span<const CleanFrame* const> frames, std::size_t here, int step,
+               std::vector<OtherFrame>& others) {
+  Places places = PlacesHere(frames[here]->planes.shape);
+  const auto in = [&](std::size_t i) { return i < frames.size(); };
+  for (std::size_t from = here, to = here + std::size_t(step); in(to);
+       from = to, to += std::size_t(step)) {
+    const CleanFrame &a = *frames[from], &b = *frames[to];
+    CheckAlike(*frames[here], b);
+    Follow(a.planes.shape, step > 0 ? a.next : a.previous, step > 0 ? b.previous : b.next, places);
+    others.push_back({&b, places});
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> FlowChannels() {
+  std::vector<std::string> names;
+  for (const char* layer : {"flow", "flow-back"}) {
+    for (const char letter : {'X', 'Y', 'A'}) names.push_back(fmt::format("{}.{}", layer, letter));
+  }
+  return names;
+}
+
+CleanFrame CleanFrameOf(const std::string& name, const Image& image,
+                        std::span<const NamedChannel> layers) {
+  const DenoiserInput input = FindInput(name, image, layers);
+  CleanFrame frame = {.name = name,
+                      .planes = ReadPlanes(input),
+                      .outliers = {},
+                      .halves = {},
+                      .next = FlowOf("flow", layers),
+                      .previous = FlowOf("flow-back", layers)};
+  if (frame.next.known.empty() != frame.previous.known.empty()) {
+    throw InputError(InputPosition::File(name),
+                     fmt::format("has the layer {}, and not {}; frames need both, or none",
+                                 frame.next.known.empty() ? "flow-back" : "flow",
+                                 frame.next.known.empty() ? "flow" : "flow-back"));
+  }
+  frame.outliers = TakeOutliers(input, frame.planes);
+  SmoothNoises(input, frame.planes);
+  frame.halves = FilterHalves(frame.planes);
+  MeasureNoise(frame.planes.shape, frame.halves);
+  return frame;
+}
+
+Denoised Steady(std::span<const CleanFrame* const> frames, std::size_t here) {
+  const CleanFrame& frame = *frames[here];
+  const PlaneShape& shape = frame.planes.shape;
+  std::vector<OtherFrame> others;
+  FollowAll(frames, here, -1, others);
+  FollowAll(frames, here, 1, others);
+
+  HalfTables steady = {NewHalf(shape), NewHalf(shape)};
+  tbb::enumerable_thread_specific<std::vector<TilePlanes>> of_threads(
+      [&] { return std::vector<TilePlanes>(others.size()); });
+  ForEachTile(shape, [&](const FilterTile& tile) {
+    const std::vector<TilePlanes>& brought = of_threads.local();
+    std::vector<BroughtTile> tiles;
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      Bring(frame, *others[i].frame, others[i].places, tile, brought[i]);
+      tiles.push_back(brought[i]);
+    }
+    AverageFrames(shape, frame.planes.features, {frame.halves[0], frame.halves[1]}, tiles, tile,
+                  {steady[0].columns(), steady[1].columns()});
+  });
+  for (const soa::Table<HalfPlanes>& half : steady) RepeatEdges(shape, half);
+  const Candidate clean = WithError(frame.planes, {steady[0].columns(), steady[1].columns()});
+  // With less noise left, bias is more of the error, and too small to be seen in few pixels.
+  soa::Table<ErrorPlanes> wide(std::uint32_t(shape.size()), soa::Touch::kLater);
+  EstimateWide(frame.planes, steady, wide);
+  const auto raise = [&](float* error, const float* least) {
+    ForEachPixel(shape,
+                 [&](std::size_t, std::size_t at) { error[at] = std::max(error[at], least[at]); });
+  };
+  raise(clean.squared_error->r, wide->r);
+  raise(clean.squared_error->g, wide->g);
+  raise(clean.squared_error->b, wide->b);
+  return PictureOf(frame.planes, AverageExcess(frame, others), clean, /*with_error=*/true);
+}
+
+}  // namespace skywave
