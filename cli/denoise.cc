@@ -55,12 +55,16 @@ std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFla
   if (std::any_of(names.begin(), names.end(), IsOfDenoiser)) {
     throw InputError(InputPosition::File(path), "this picture was denoised already");
   }
+  const auto has = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   std::vector<std::string> wanted = DenoiserChannels();
+  const auto missing = std::find_if_not(wanted.begin(), wanted.end(), has);
+  if (missing != wanted.end()) throw MissingLayer(path, *missing);
   std::vector<std::string> others = flags.steady > 0 ? FlowChannels() : std::vector<std::string>();
   others.emplace_back(kAlpha);
   for (std::string& other : others) {
-    const bool has_it = std::find(names.begin(), names.end(), other) != names.end();
-    if (has_it) wanted.push_back(std::move(other));
+    if (has(other)) wanted.push_back(std::move(other));
   }
   return wanted;
 }
@@ -105,9 +109,10 @@ std::vector<std::string> OutputsOf(const DenoiseFlags& flags) {
   };
   if (flags.inputs.size() == 1) {
     if (output.extension() == ".exr") return {flags.output};
-    throw refuse("the picture is an EXR file, so its name has to end in .exr");
-  }
-  if (output.extension() == ".exr") {
+    if (output.has_filename() && !std::filesystem::is_directory(output)) {
+      throw refuse("the picture is an EXR file, so its name has to end in .exr");
+    }
+  } else if (output.extension() == ".exr") {
     throw refuse(fmt::format("{} pictures need a folder, in which they keep their names",
                              flags.inputs.size()));
   }
@@ -131,7 +136,8 @@ void CheckAll(const DenoiseFlags& flags, const std::vector<std::string>& outputs
   for (const std::string& output : outputs) {
     files.push_back(output), files.push_back(PngBeside(output));
   }
-  if (outputs.size() > 1) {
+  for (const std::string& input : flags.inputs) LayersOfNoisy(input, flags);
+  if (outputs.front() != flags.output) {
     std::error_code error;
     std::filesystem::create_directories(flags.output, error);
     if (error) {
@@ -140,7 +146,6 @@ void CheckAll(const DenoiseFlags& flags, const std::vector<std::string>& outputs
     }
   }
   CheckOutputs(files, flags.inputs);
-  for (const std::string& input : flags.inputs) LayersOfNoisy(input, flags);
 }
 
 // Shows progress and says what was done.

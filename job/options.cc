@@ -298,6 +298,8 @@ std::vector<JobOption> CommonRows() {
           FIELD(camera.name), Texts("the name of a camera")),
     Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
           FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
+    Plain({.name = "orbit-step", .group = kCamera, .help = "turn of --orbit from frame to frame of a turntable, for --aovs flow,flow-back", .scope = kPixels, .example = "--orbit-step 2", .default_text = "0", .metavar = "DEGREES"},
+          FIELD(camera.orbit_step), Floats(-360, 360)),
     Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene; followed by the word catcher, the plane is one (see --catcher)", .scope = kPixels, .changes = Tables::kPrepared | Tables::kTriangles, .example = "--ground catcher", .words = "catcher"},
           FIELD(ground), Grounds()),
 

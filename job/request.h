@@ -54,6 +54,7 @@ struct CameraRequest {
   // A turn of the whole camera about the up axis, through the target or the middle of the scene;
   // counter-clockwise, seen from above.
   std::optional<float> orbit_degrees;
+  float orbit_step = 0;               // from each frame of a turntable to the next [degrees]
   std::optional<float> roll_degrees;  // a turn about the view, clockwise as the camera looks
 };
 

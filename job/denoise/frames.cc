@@ -170,12 +170,29 @@ OutlierExcess AverageExcess(const CleanFrame& here, const std::vector<OtherFrame
   return mean;
 }
 
+// Returns the mean of clean halves with its error. With less noise left than in one frame, bias is
+// more of it, and too small to be seen in few pixels.
+Candidate WithWideError(const DenoiserPlanes& planes, const HalfTables& halves) {
+  Candidate mean = WithError(planes, {halves[0].columns(), halves[1].columns()});
+  const soa::Table<ErrorPlanes> wide(std::uint32_t(planes.shape.size()), soa::Touch::kLater);
+  EstimateWide(planes, halves, wide);
+  const std::vector<float*> errors = ColumnsOf(mean.squared_error.columns());
+  const std::vector<float*> least = ColumnsOf(wide.columns());
+  for (std::size_t c = 0; c < errors.size(); ++c) {
+    ForEachPixel(planes.shape, [&](std::size_t, std::size_t at) {
+      errors[c][at] = std::max(errors[c][at], least[c][at]);
+    });
+  }
+  return mean;
+}
+
 // Replaces the noise of clean halves by thrice what they differ by around, where that is more.
 // Pixels that were averaged with the same ones share their noise, which they do not know of each
 // other, and so share the distance from other frames: that of 3 x 3 pixels is that of one, whose
-// squares vary.
+// squares vary. No pixel gets much of what a highlight beside it brings.
 void MeasureNoise(const PlaneShape& shape, const HalfTables& halves) {
-  constexpr int kAround = 3;  // pixels on each side
+  constexpr int kAround = 3;        // pixels on each side
+  constexpr float kMostShared = 8;  // times the noise that a pixel knows of
   const HalfPlanes &a = halves[0], &b = halves[1];
   std::vector<float> noise(shape.size());
   for (std::size_t at = 0; at < shape.size(); ++at) {
@@ -185,7 +202,7 @@ void MeasureNoise(const PlaneShape& shape, const HalfTables& halves) {
   AverageAround(shape, kAround, noise);
   for (const HalfPlanes& half : {a, b}) {
     ForEachPixel(shape, [&](std::size_t, std::size_t at) {
-      half.noise[at] = std::max(half.noise[at], noise[at]);
+      half.noise[at] = std::max(half.noise[at], std::min(noise[at], kMostShared * half.noise[at]));
     });
     RepeatEdge(shape, half.noise);
   }
@@ -284,17 +301,7 @@ Denoised Steady(std::span<const CleanFrame* const> frames, std::size_t here) {
                   {steady[0].columns(), steady[1].columns()});
   });
   for (const soa::Table<HalfPlanes>& half : steady) RepeatEdges(shape, half);
-  const Candidate clean = WithError(frame.planes, {steady[0].columns(), steady[1].columns()});
-  // With less noise left, bias is more of the error, and too small to be seen in few pixels.
-  soa::Table<ErrorPlanes> wide(std::uint32_t(shape.size()), soa::Touch::kLater);
-  EstimateWide(frame.planes, steady, wide);
-  const auto raise = [&](float* error, const float* least) {
-    ForEachPixel(shape,
-                 [&](std::size_t, std::size_t at) { error[at] = std::max(error[at], least[at]); });
-  };
-  raise(clean.squared_error->r, wide->r);
-  raise(clean.squared_error->g, wide->g);
-  raise(clean.squared_error->b, wide->b);
+  const Candidate clean = WithWideError(frame.planes, steady);
   return PictureOf(frame.planes, AverageExcess(frame, others), clean, /*with_error=*/true);
 }
 

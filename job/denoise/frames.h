@@ -28,8 +28,8 @@ struct FrameFlow {
   std::vector<float> x, y, known;
 };
 
-// A frame that has been cleaned by itself, by the statistics of its samples. It needs 204 bytes a
-// pixel, and 24 more with flow.
+// A frame that has been cleaned by itself, by the statistics of its samples. It needs 120 bytes a
+// pixel, 12 more with outliers and 24 more with flow.
 struct CleanFrame {
   std::string name;
   DenoiserPlanes planes;

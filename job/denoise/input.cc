@@ -26,10 +26,7 @@ std::span<const float> Find(const std::string& name, const Image& image,
   const auto found = std::find_if(layers.begin(), layers.end(),
                                   [&](const NamedChannel& layer) { return layer.name == channel; });
   if (found == layers.end()) {
-    throw InputError(InputPosition::File(name),
-                     fmt::format("has no channel {}, which the denoiser needs; render with "
-                                 "`denoise`, or with the layers {} in `aovs`",
-                                 channel, ToString(DenoiserLayers())));
+    throw MissingLayer(name, channel);
   }
   const std::size_t pixels = image.rgb.size() / 3;
   if (found->values.size() != pixels) {
@@ -74,6 +71,13 @@ void CheckSamples(const std::string& name, const DenoiserInput& input) {
 }
 
 }  // namespace
+
+InputError MissingLayer(const std::string& name, std::string_view channel) {
+  return {InputPosition::File(name),
+          fmt::format("has no channel {}, which the denoiser needs; render with `denoise`, or with "
+                      "the layers {} in `aovs`",
+                      channel, ToString(DenoiserLayers()))};
+}
 
 AovSet DenoiserLayers() {
   static const AovSet layers = ParseAovs("denoiser").value();

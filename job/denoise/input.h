@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "image/image.h"
 #include "wavefront/film/aovs.h"
 
@@ -14,6 +16,9 @@ namespace skywave {
 // Returns the layers that the denoiser reads, and the names of their channels.
 AovSet DenoiserLayers();
 std::vector<std::string> DenoiserChannels();
+
+// Returns the error that a picture lacks a channel.
+InputError MissingLayer(const std::string& name, std::string_view channel);
 
 // With fewer samples the variance of a half is too uncertain.
 inline constexpr std::uint32_t kFewestDenoiserSamples = 4;

@@ -99,6 +99,8 @@ TEST_F(DenoiseProgram, SeveralPicturesAreCleanedIntoAFolder) {
   }
   Make("denoise f1.exr f2.exr f3.exr -q -o clean");
   Make("denoise f2.exr -q -o one.exr");
+  Make("denoise f2.exr -q -o alone/");
+  EXPECT_EQ(Bytes("alone/f2.exr"), Bytes("one.exr"));
   EXPECT_EQ(Bytes("clean/f2.exr"), Bytes("one.exr"));
   EXPECT_EQ(Bytes("clean/f2.png"), Bytes("one.png"));
   EXPECT_EQ(ValueOf(ReadExrMetadata(Path("one.exr")), "steady"), "");
@@ -128,6 +130,8 @@ TEST_F(DenoiseProgram, FramesThatCannotSteadyEachOtherAreRefused) {
   ExpectRefused("denoise a.exr --steady 1 -o b.exr", kExitUsage, "has no frames around it");
   ExpectRefused("denoise a.exr small.exr --steady 1 --by best -o b", kExitUsage,
                 "steadied by statistics only");
+  Make(kRender + std::string("-o plain.exr"));
+  ExpectRefused("denoise a.exr plain.exr -o b", kExitBadInput, "plain.exr: has no channel");
   const Result small = Run("denoise a.exr small.exr --steady 1 -o b");
   EXPECT_EQ(small.exit_code, kExitBadInput);
   EXPECT_NE(small.err.find("small.exr: has 16x12 pixels"), std::string::npos) << small.err;
@@ -139,7 +143,7 @@ TEST_F(DenoiseProgram, UnusableInputsAndOutputsAreRefused) {
   Make(kRender + std::string("--aovs denoiser --sample-range 8:12 -o half.exr"));
   Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
   ExpectRefused("denoise clean.exr -o a.exr", kExitBadInput, "was denoised already");
-  ExpectRefused("denoise albedo.exr -o a.exr", kExitBadInput, "shading-normal.X");
+  ExpectRefused("denoise albedo.exr -o a.exr", kExitBadInput, "has no channel shading-normal.X");
   ExpectRefused("denoise half.exr -o a.exr", kExitBadInput, "of them in one half");
   ExpectRefused("denoise nothing.exr -o a.exr", kExitIo, "nothing.exr");
   ExpectRefused("denoise noisy.exr -o a.png", kExitUsage, "has to end in .exr");

@@ -188,6 +188,19 @@ TEST(SteadyFrames, WhatIsHiddenElsewhereIsNotTakenFromThere) {
   EXPECT_LT(more, 0);
 }
 
+// What a mirror shows moves, and flow is that of the mirror, which rests. What noise hides is
+// mixed, which adds less to the error than noise does.
+TEST(SteadyFrames, MirrorImagesAreMixedWithinTheirNoiseOnly) {
+  const auto truth = [](int frame) -> Truth {
+    return [=](int x, int) {
+      return Pixel{.light = 1 + 0.15 * std::sin((x - 4 * frame) * 0.25), .deviation = 0.7};
+    };
+  };
+  const std::vector<Noisy> frames = DrawFrames(truth, 83);
+  const double alone = SquaredError(Clean(frames[3]).image, truth(3));
+  EXPECT_LT(SquaredError(SteadyOf(frames, 3).image, truth(3)), 1.3 * alone);
+}
+
 // Things come nearer, which changes their depth and not what they are.
 TEST(SteadyFrames, DepthMayChangeWhereFlowTellsWhatIsTheSame) {
   std::vector<Noisy> frames = DrawFrames([](int) -> Truth { return Flat; }, 41);

@@ -135,6 +135,42 @@ TEST_F(Flow, OfAGroundThatRestsIsNothing) {
   EXPECT_GT(seen, 100);
 }
 
+// On a turntable the camera turns about a scene that rests: where a point is in the next picture is
+// where that picture has it.
+TEST_F(Flow, OfATurntableLeadsToThePictureThatIsTurned) {
+  JobRequest request;
+  request.scene = "spheres";
+  request.width = request.height = 64;
+  request.samples_per_pixel = 1;
+  request.camera.orbit_step = 10;
+  request.camera.orbit_degrees = 10.0f;
+  request.options.aovs = ParseAovs("flow,flow-back,position").value();
+  const Layers here = Resolve(RenderJob(request));
+  for (const auto& [layer, degrees] : {std::pair("flow", 20.0f), {"flow-back", 0.0f}}) {
+    request.camera.orbit_degrees = degrees;
+    const Layers there = Resolve(RenderJob(request));
+    int known = 0, found = 0, unmoved = 0;
+    const auto is_near = [&](std::size_t i, std::size_t j) {
+      double apart = 0;
+      for (const char* const axis : {"position.X", "position.Y", "position.Z"}) {
+        apart += std::pow(double(here.at(axis)[i]) - double(there.at(axis)[j]), 2);
+      }
+      return apart < 0.15 * 0.15;
+    };
+    for (std::size_t i = 0; i < 64 * 64; ++i) {
+      if (here.at(std::string(layer) + ".A")[i] == 0) continue;
+      const double x = double(i % 64) + 0.5 + double(here.at(std::string(layer) + ".X")[i]);
+      const double y = double(i / 64) + 0.5 + double(here.at(std::string(layer) + ".Y")[i]);
+      if (x < 0 || y < 0 || x >= 64 || y >= 64) continue;
+      ++known, unmoved += is_near(i, i), found += is_near(i, std::size_t(y) * 64 + std::size_t(x));
+    }
+    EXPECT_GT(known, 1500) << layer;
+    // The others are hidden there, or at edges and slants.
+    EXPECT_GT(found, 0.7 * known) << layer;
+    EXPECT_LT(unmoved, 0.35 * known) << layer;
+  }
+}
+
 // The scene is the same at this moment, and the next frame is not.
 TEST_F(Flow, TellsFilmsOfOtherFrameLengthsApart) {
   const auto hash = [&](double frame, double fps, const char* aovs) {
