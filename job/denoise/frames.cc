@@ -115,6 +115,13 @@ void Bring(const CleanFrame& here, const CleanFrame& frame, const Places& places
       const std::size_t pixel = std::size_t(py) * std::size_t(shape.width) + std::size_t(px);
       if (std::isnan(places.x[pixel])) {
         to.features->coverage[there] = kNoCoverage;
+        // For the tests of the pixels around, it is what it is here.
+        for (int h = 0; h < 2; ++h) {
+          const HalfPlanes &own = here.halves[h], &half = to.halves[h];
+          const std::size_t at = shape.at(px, py);
+          half.r[there] = own.r[at], half.g[there] = own.g[at], half.b[there] = own.b[at];
+          half.noise[there] = own.noise[at];
+        }
         continue;
       }
       const Between between(shape, places.x[pixel], places.y[pixel]);
@@ -208,14 +215,30 @@ void MeasureNoise(const PlaneShape& shape, const HalfTables& halves) {
   }
 }
 
-FrameFlow FlowOf(const std::string& layer, std::span<const NamedChannel> layers) {
-  const auto find = [&](const char* letter) {
-    const auto found = std::find_if(layers.begin(), layers.end(), [&](const NamedChannel& channel) {
-      return channel.name == layer + letter;
+// Returns the flow of a frame to the next one and to the previous one. Throws InputError where only
+// some of its channels are there.
+std::pair<FrameFlow, FrameFlow> FlowOf(const std::string& name, std::size_t pixels,
+                                       std::span<const NamedChannel> layers) {
+  std::vector<std::vector<float>> values;
+  std::string missing;
+  for (const std::string& channel : FlowChannels()) {
+    const auto found = std::find_if(layers.begin(), layers.end(), [&](const NamedChannel& layer) {
+      return layer.name == channel;
     });
-    return found == layers.end() ? std::vector<float>() : found->values;
-  };
-  return {find(".X"), find(".Y"), find(".A")};
+    if (found != layers.end() && found->values.size() == pixels) {
+      values.push_back(found->values);
+    } else {
+      missing = channel;
+    }
+  }
+  if (values.empty()) return {};
+  if (!missing.empty()) {
+    throw InputError(InputPosition::File(name),
+                     fmt::format("has some of the channels of flow and flow-back, and not {}; "
+                                 "frames need all of them, or none",
+                                 missing));
+  }
+  return {{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
 }
 
 void CheckAlike(const CleanFrame& frame, const CleanFrame& other) {
@@ -261,18 +284,13 @@ std::vector<std::string> FlowChannels() {
 CleanFrame CleanFrameOf(const std::string& name, const Image& image,
                         std::span<const NamedChannel> layers) {
   const DenoiserInput input = FindInput(name, image, layers);
+  const auto [next, previous] = FlowOf(name, image.rgb.size() / 3, layers);
   CleanFrame frame = {.name = name,
                       .planes = ReadPlanes(input),
                       .outliers = {},
                       .halves = {},
-                      .next = FlowOf("flow", layers),
-                      .previous = FlowOf("flow-back", layers)};
-  if (frame.next.known.empty() != frame.previous.known.empty()) {
-    throw InputError(InputPosition::File(name),
-                     fmt::format("has the layer {}, and not {}; frames need both, or none",
-                                 frame.next.known.empty() ? "flow-back" : "flow",
-                                 frame.next.known.empty() ? "flow" : "flow-back"));
-  }
+                      .next = next,
+                      .previous = previous};
   frame.outliers = TakeOutliers(input, frame.planes);
   SmoothNoises(input, frame.planes);
   frame.halves = FilterHalves(frame.planes);

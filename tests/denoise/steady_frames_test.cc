@@ -3,6 +3,7 @@
 #include "job/denoise/frames.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <cstddef>
@@ -257,6 +258,29 @@ TEST(SteadyFrames, OutliersAreSpreadOverFrames) {
   }
 }
 
+// What a thread has brought before for another tile does not matter where frames do not show a
+// point.
+TEST(SteadyFrames, BytesDoNotDependOnThreads) {
+  // The edge of what is in front is elsewhere in each row of tiles.
+  const auto is_front = [](int frame, int x, int y) {
+    return x < 10 + 6 * frame + y / FilterTile::kHeight * 13 % 40;
+  };
+  const auto truth = [&](int frame) -> Truth {
+    return [=](int x, int y) { return Pixel{.light = is_front(frame, x, y) ? 1.1 : 1.0}; };
+  };
+  std::vector<Noisy> frames = DrawFrames(truth, 91);
+  for (int i = 0; i < kFrames; ++i) {
+    AddFlow([&](int x, int y) { return is_front(i, x, y) ? 6.0f : 0.0f; }, frames[std::size_t(i)]);
+  }
+  std::vector<std::uint32_t> bits;
+  for (const std::size_t threads : {1, 2, 7, 2}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const std::vector<std::uint32_t> these = Bits(SteadyOf(frames, 3));
+    if (bits.empty()) bits = these;
+    EXPECT_EQ(these, bits) << threads;
+  }
+}
+
 TEST(SteadyFrames, UnusableFramesAreRefused) {
   const auto expect_refused = [](const auto& work, const std::string& words) {
     try {
@@ -270,7 +294,8 @@ TEST(SteadyFrames, UnusableFramesAreRefused) {
   Noisy flowing = plain, half = plain;
   AddFlow([](int, int) { return 0.0f; }, flowing);
   half.layers.push_back({"flow.A", std::vector<float>(kSide * kSide, 1)});
-  expect_refused([&] { CleanOf(half); }, "has the layer flow, and not flow-back");
+  expect_refused([&] { CleanOf(half); },
+                 "has some of the channels of flow and flow-back, and not flow-back.A");
   const CleanFrame frame = CleanOf(plain, "a.exr"), other = CleanOf(flowing, "b.exr"),
                    small = CleanOf(Draw(Flat, 1, 32, 24), "c.exr");
   const auto steady = [&](const CleanFrame& beside) {
