@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "job/denoise/denoise.h"
+#include "job/denoise/denoised.h"
 #include "job/denoise/outliers.h"
 #include "job/denoise/planes.h"
 

@@ -18,12 +18,12 @@
 // those of Open Image Denoise on threads.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "image/image.h"
+#include "job/denoise/denoised.h"
 #include "job/denoise/denoiser.h"
 #include "job/denoise/input.h"
 
@@ -31,19 +31,6 @@ namespace skywave {
 
 // The attribute of a picture that has this version.
 inline constexpr char kOidnVersion[] = "openImageDenoise";
-
-struct Denoised {
-  Image image;
-  // Layer "error", R, G and B: the root of the expected squared error of the image. It is
-  // estimated, and 1.96 times as much on both sides makes an interval of about 95 %. kQuick has
-  // none.
-  std::vector<NamedChannel> error;
-  std::uint64_t outliers = 0;  // half pixels that were too bright
-  double spread_share = 0;     // of the picture's energy, which was spread around them
-  std::string oidn;            // the version of Open Image Denoise that took part; empty: none
-  // Of kBest: the shares of the pixels by statistics, by Open Image Denoise, and left noisy.
-  double shares[3] = {};
-};
 
 // Returns kBest or kStatistics for kAuto, by what is there, and others as they are. Throws
 // OptionError where Open Image Denoise is needed and not there.

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "job/denoise/denoise.h"
+#include "job/denoise/denoised.h"
 #include "job/denoise/outliers.h"
 #include "job/denoise/planes.h"
 #include "job/denoise/statistics.h"
