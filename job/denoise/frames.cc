@@ -306,10 +306,10 @@ Denoised Steady(std::span<const CleanFrame* const> frames, std::size_t here) {
   FollowAll(frames, here, 1, others);
 
   HalfTables steady = {NewHalf(shape), NewHalf(shape)};
-  tbb::enumerable_thread_specific<std::vector<TilePlanes>> of_threads(
-      [&] { return std::vector<TilePlanes>(others.size()); });
+  tbb::enumerable_thread_specific<std::vector<TilePlanes>> of_threads;
   ForEachTile(shape, [&](const FilterTile& tile) {
-    const std::vector<TilePlanes>& brought = of_threads.local();
+    std::vector<TilePlanes>& brought = of_threads.local();
+    if (brought.empty()) brought = std::vector<TilePlanes>(others.size());
     std::vector<BroughtTile> tiles;
     for (std::size_t i = 0; i < others.size(); ++i) {
       Bring(frame, *others[i].frame, others[i].places, tile, brought[i]);
