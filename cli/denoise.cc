@@ -149,9 +149,9 @@ void CheckAll(const DenoiseFlags& flags, const std::vector<std::string>& outputs
 }
 
 // Shows progress and says what was done.
-class Teller {
+class DenoiseReport {
  public:
-  explicit Teller(const DenoiseFlags& flags)
+  explicit DenoiseReport(const DenoiseFlags& flags)
       : flags_(flags), display_(flags.progress, flags.inputs.size()) {}
 
   void Begin(const std::string& path) {
@@ -172,24 +172,40 @@ class Teller {
 
 // Cleans each picture by itself.
 void DenoiseEach(const DenoiseFlags& flags, Denoiser by, const std::vector<std::string>& outputs) {
-  Teller teller(flags);
+  DenoiseReport report(flags);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    teller.Begin(flags.inputs[i]);
+    report.Begin(flags.inputs[i]);
     NoisyPicture noisy = ReadNoisy(flags, flags.inputs[i], outputs[i]);
     Denoised clean = Denoise(by, noisy.path, noisy.picture.image, noisy.picture.layers);
-    teller.Wrote(outputs[i], WriteClean(flags, by, std::move(noisy), std::move(clean)));
+    report.Wrote(outputs[i], WriteClean(flags, by, std::move(noisy), std::move(clean)));
   }
+}
+
+// Returns what is to be said of all frames, by the first of them.
+std::vector<std::string> NotesOfFrames(const DenoiseFlags& flags, const Metadata& metadata,
+                                       const CleanFrame& frame) {
+  std::vector<std::string> notes;
+  if (frame.next.known.empty()) {
+    notes.push_back(
+        "the frames have no layers flow and flow-back, so what is not at the same place in all of "
+        "them is not steadied: render them with `aovs denoiser,flow,flow-back`");
+  }
+  if (IsAutomatic(ExposureOfDerived(flags.exposure, metadata))) {
+    notes.push_back(
+        "the exposure of each PNG is that of its frame, so they flicker: give `exposure` a number");
+  }
+  return notes;
 }
 
 // Cleans the frames of an animation, which steady each other.
 void DenoiseFrames(const DenoiseFlags& flags, const std::vector<std::string>& outputs) {
-  Teller teller(flags);
+  DenoiseReport report(flags);
   const std::size_t around = std::size_t(flags.steady);
   std::deque<NoisyPicture> to_write;
   std::deque<CleanFrame> window;  // its last one has been read last
   std::size_t read = 0;           // frames
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    teller.Begin(flags.inputs[i]);
+    report.Begin(flags.inputs[i]);
     if (i > around) window.pop_front();
     for (; read < outputs.size() && read <= i + around; ++read) {
       NoisyPicture& noisy =
@@ -199,15 +215,14 @@ void DenoiseFrames(const DenoiseFlags& flags, const std::vector<std::string>& ou
     std::vector<const CleanFrame*> frames;
     for (const CleanFrame& frame : window) frames.push_back(&frame);
     Denoised clean = Steady(frames, i - (read - window.size()));
-    std::vector<std::string> notes =
-        WriteClean(flags, Denoiser::kStatistics, std::move(to_write.front()), std::move(clean));
-    to_write.pop_front();
-    if (i == 0 && window.front().next.known.empty()) {
-      notes.push_back(
-          "the frames have no layers flow and flow-back, so what is not at the same place in all "
-          "of them is not steadied: render them with `aovs denoiser,flow,flow-back`");
+    std::vector<std::string> notes;
+    if (i == 0) notes = NotesOfFrames(flags, to_write.front().metadata, window.front());
+    for (std::string& note :
+         WriteClean(flags, Denoiser::kStatistics, std::move(to_write.front()), std::move(clean))) {
+      notes.push_back(std::move(note));
     }
-    teller.Wrote(outputs[i], notes);
+    to_write.pop_front();
+    report.Wrote(outputs[i], notes);
   }
 }
 

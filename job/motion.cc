@@ -16,37 +16,31 @@ bool MovesScene(const JobRequest& request, const JobParts& parts) {
   return request.read.frame && !parts.loaded().animations.empty();
 }
 
-// Returns the view of a camera that a request has chosen for a scene.
-CameraView ViewOf(const Camera& camera, const JobRequest& request) {
-  return MakeCameraView(camera, *request.width, *request.height, nullptr, request.crop);
-}
-
 // Returns the scene, of which `now` is built, some frames further.
 Moment MomentAfter(double frames, JobRequest request, const JobParts& parts,
                    const std::shared_ptr<const BuiltGeometry>& now, std::uint64_t& hash) {
   request.camera.orbit_degrees =
       request.camera.orbit_degrees.value_or(0) + float(frames) * request.camera.orbit_step;
-  if (!MovesScene(request, parts)) {
-    const Camera camera = ChooseCamera(parts.prepared(), request);
-    hash = 31 * hash + parts.prepared().content.WithView(camera, {}, glm::mat3(1), {});
-    return {{now, &now->geometry}, ViewOf(camera, request)};
+  JobParts other = parts;
+  std::shared_ptr<const BuiltGeometry> then = now;
+  if (MovesScene(request, parts)) {
+    *request.read.frame += frames;
+    other = parts.AtFrame(request);
+    other.Prepare(request);
+    then = other.Build(request);
   }
-  const double of_picture = *request.read.frame;
-  request.read.frame = of_picture + frames;
-  JobParts other = parts.AtFrame(request);
-  other.Prepare(request);
-  const auto built = other.Build(request);
-  const Geometry& then = built->geometry;
-  if (then.vertex_count() != now->geometry.vertex_count() ||
-      then.instance_count() != now->geometry.instance_count()) {
+  const Geometry &here = now->geometry, &there = then->geometry;
+  if (there.vertex_count() != here.vertex_count() ||
+      there.instance_count() != here.instance_count()) {
     throw InputError(InputPosition::File(request.scene),
                      fmt::format("has other vertices or instances at frame {:g} than at frame "
                                  "{:g}, so there is no flow between them",
-                                 *request.read.frame, of_picture));
+                                 *request.read.frame, *request.read.frame - frames));
   }
   const Camera camera = ChooseCamera(other.prepared(), request);
   hash = 31 * hash + other.prepared().content.WithView(camera, {}, glm::mat3(1), {});
-  return {{built, &then}, ViewOf(camera, request)};
+  return {{then, &there},
+          MakeCameraView(camera, *request.width, *request.height, nullptr, request.crop)};
 }
 
 }  // namespace

@@ -85,36 +85,51 @@ struct Between {
   float u, v;
 };
 
-// Planes of the size of a tile.
-struct TilePlanes {
-  TilePlanes()
-      : features(std::uint32_t(kShape.size())),
-        halves{soa::Table<HalfPlanes>(std::uint32_t(kShape.size())),
-               soa::Table<HalfPlanes>(std::uint32_t(kShape.size()))} {}
-  static constexpr PlaneShape kShape = {FilterTile::kWidth, FilterTile::kHeight};
+constexpr PlaneShape kTileShape = {FilterTile::kWidth, FilterTile::kHeight};
 
-  operator BroughtTile() const { return {kShape, features, {halves[0], halves[1]}}; }
+// What other frames show of the tile that a thread is at.
+struct BroughtTiles {
+  std::vector<BroughtTile> tiles;
 
-  soa::Table<FeaturePlanes> features;
-  soa::Table<HalfPlanes> halves[2];
+  void Resize(std::size_t frames) {
+    const auto rows = std::uint32_t(kTileShape.size());
+    for (std::size_t i = tiles.size(); i < frames; ++i) {
+      const FeaturePlanes of_features = features.emplace_back(rows);
+      const HalfPlanes first = halves.emplace_back(rows), second = halves.emplace_back(rows);
+      tiles.push_back({kTileShape, of_features, {first, second}});
+    }
+  }
+
+ private:
+  // Their memory.
+  std::vector<soa::Table<FeaturePlanes>> features;
+  std::vector<soa::Table<HalfPlanes>> halves;
 };
 
-// Writes what `frame` shows of a tile of `here`, and one pixel around it.
-void Bring(const CleanFrame& here, const CleanFrame& frame, const Places& places,
-           const FilterTile& tile, const TilePlanes& to) {
+// What an other frame shows, and where.
+struct OtherFrame {
+  const CleanFrame* frame;
+  Places places;
+};
+
+// Writes what another frame shows of a tile of `here`, and one pixel around it.
+void Bring(const CleanFrame& here, const OtherFrame& other, const FilterTile& tile,
+           const BroughtTile& to) {
+  const CleanFrame& frame = *other.frame;
+  const Places& places = other.places;
   const PlaneShape& shape = here.planes.shape;
   // The light of each frame is in units of its own brightness.
   const float scale = frame.planes.brightness / here.planes.brightness;
   const std::vector<float*> features = ColumnsOf(frame.planes.features.columns());
-  const std::vector<float*> brought = ColumnsOf(to.features.columns());
+  const std::vector<float*> brought = ColumnsOf(to.features);
   for (int y = -1; y <= tile.height; ++y) {
     for (int x = -1; x <= tile.width; ++x) {
-      const std::size_t there = TilePlanes::kShape.at(x, y);
+      const std::size_t there = kTileShape.at(x, y);
       const int px = std::clamp(tile.x + x, 0, shape.width - 1);
       const int py = std::clamp(tile.y + y, 0, shape.height - 1);
       const std::size_t pixel = std::size_t(py) * std::size_t(shape.width) + std::size_t(px);
       if (std::isnan(places.x[pixel])) {
-        to.features->coverage[there] = kNoCoverage;
+        to.features.coverage[there] = kNoCoverage;
         // For the tests of the pixels around, it is what it is here.
         for (int h = 0; h < 2; ++h) {
           const HalfPlanes &own = here.halves[h], &half = to.halves[h];
@@ -130,7 +145,7 @@ void Bring(const CleanFrame& here, const CleanFrame& frame, const Places& places
       }
       // Things may come nearer; that they are the same is known from the way back.
       if (!here.next.known.empty()) {
-        to.features->depth[there] = here.planes.features->depth[shape.at(px, py)];
+        to.features.depth[there] = here.planes.features->depth[shape.at(px, py)];
       }
       for (int h = 0; h < 2; ++h) {
         const HalfPlanes &from = frame.halves[h], &half = to.halves[h];
@@ -142,12 +157,6 @@ void Bring(const CleanFrame& here, const CleanFrame& frame, const Places& places
     }
   }
 }
-
-// What an other frame shows, and where.
-struct OtherFrame {
-  const CleanFrame* frame;
-  Places places;
-};
 
 // Returns the mean of the excess of outliers, as far as frames show the same.
 OutlierExcess AverageExcess(const CleanFrame& here, const std::vector<OtherFrame>& others) {
@@ -261,10 +270,9 @@ void CheckAlike(const CleanFrame& frame, const CleanFrame& other) {
 void FollowAll(std::span<const CleanFrame* const> frames, std::size_t here, int step,
                std::vector<OtherFrame>& others) {
   Places places = PlacesHere(frames[here]->planes.shape);
-  const auto in = [&](std::size_t i) { return i < frames.size(); };
-  for (std::size_t from = here, to = here + std::size_t(step); in(to);
-       from = to, to += std::size_t(step)) {
-    const CleanFrame &a = *frames[from], &b = *frames[to];
+  const auto end = std::ptrdiff_t(frames.size());
+  for (auto i = std::ptrdiff_t(here); i + step >= 0 && i + step < end; i += step) {
+    const CleanFrame &a = *frames[std::size_t(i)], &b = *frames[std::size_t(i + step)];
     CheckAlike(*frames[here], b);
     Follow(a.planes.shape, step > 0 ? a.next : a.previous, step > 0 ? b.previous : b.next, places);
     others.push_back({&b, places});
@@ -284,13 +292,13 @@ std::vector<std::string> FlowChannels() {
 CleanFrame CleanFrameOf(const std::string& name, const Image& image,
                         std::span<const NamedChannel> layers) {
   const DenoiserInput input = FindInput(name, image, layers);
-  const auto [next, previous] = FlowOf(name, image.rgb.size() / 3, layers);
+  auto [next, previous] = FlowOf(name, image.rgb.size() / 3, layers);
   CleanFrame frame = {.name = name,
                       .planes = ReadPlanes(input),
                       .outliers = {},
                       .halves = {},
-                      .next = next,
-                      .previous = previous};
+                      .next = std::move(next),
+                      .previous = std::move(previous)};
   frame.outliers = TakeOutliers(input, frame.planes);
   SmoothNoises(input, frame.planes);
   frame.halves = FilterHalves(frame.planes);
@@ -306,17 +314,15 @@ Denoised Steady(std::span<const CleanFrame* const> frames, std::size_t here) {
   FollowAll(frames, here, 1, others);
 
   HalfTables steady = {NewHalf(shape), NewHalf(shape)};
-  tbb::enumerable_thread_specific<std::vector<TilePlanes>> of_threads;
+  tbb::enumerable_thread_specific<BroughtTiles> of_threads;
   ForEachTile(shape, [&](const FilterTile& tile) {
-    std::vector<TilePlanes>& brought = of_threads.local();
-    if (brought.empty()) brought = std::vector<TilePlanes>(others.size());
-    std::vector<BroughtTile> tiles;
-    for (std::size_t i = 0; i < others.size(); ++i) {
-      Bring(frame, *others[i].frame, others[i].places, tile, brought[i]);
-      tiles.push_back(brought[i]);
+    BroughtTiles& brought = of_threads.local();
+    brought.Resize(others.size());
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      Bring(frame, others[k], tile, brought.tiles[k]);
     }
-    AverageFrames(shape, frame.planes.features, {frame.halves[0], frame.halves[1]}, tiles, tile,
-                  {steady[0].columns(), steady[1].columns()});
+    AverageFrames(shape, frame.planes.features, {frame.halves[0], frame.halves[1]}, brought.tiles,
+                  tile, {steady[0].columns(), steady[1].columns()});
   });
   for (const soa::Table<HalfPlanes>& half : steady) RepeatEdges(shape, half);
   const Candidate clean = WithWideError(frame.planes, steady);

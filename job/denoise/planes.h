@@ -23,7 +23,7 @@ struct DenoiserPlanes {
   float brightness = 1;       // the unit of light
   std::vector<float> second;  // share of the samples that are in second halves, by place
   soa::Table<TexturePlanes> texture;
-  soa::Table<HalfPlanes> halves[2];
+  HalfTables halves;
   soa::Table<FeaturePlanes> features;
 };
 

@@ -108,6 +108,9 @@ TEST_F(DenoiseProgram, SeveralPicturesAreCleanedIntoAFolder) {
   const Result steady = Run("denoise f1.exr f2.exr f3.exr --steady 1 --threads 1 -o steady");
   EXPECT_EQ(steady.exit_code, 0);
   EXPECT_NE(steady.err.find("no layers flow and flow-back"), std::string::npos) << steady.err;
+  EXPECT_EQ(steady.err.find("flicker"), std::string::npos) << steady.err;
+  const Result automatic = Run("denoise f1.exr f2.exr --steady 1 --exposure auto -o automatic");
+  EXPECT_NE(automatic.err.find("give --exposure a number"), std::string::npos) << automatic.err;
   Make("denoise f1.exr f2.exr f3.exr --steady 1 --threads 2 -q -o again/");
   EXPECT_EQ(Bytes("steady/f2.exr"), Bytes("again/f2.exr"));
   EXPECT_EQ(ValueOf(ReadExrMetadata(Path("steady/f2.exr")), "steady"), "1");
