@@ -19,6 +19,7 @@
 #include "cli/parse.h"
 #include "cli/print.h"
 #include "cli/progress.h"
+#include "job/denoise/catchers.h"
 #include "job/denoise/denoise.h"
 #include "job/denoise/frames.h"
 #include "job/exposure.h"
@@ -48,6 +49,12 @@ struct NoisyPicture {
   Metadata metadata;
 };
 
+// Returns the channels of a picture with catchers that it may have, in addition to those that it
+// has to have: the alpha and the foreground are that of the file unless it shows its background.
+std::vector<std::string> ChannelsBesideBackground() {
+  return ChannelsOf(AovsOf(AovSum::kAlpha) | AovsOf(AovSum::kForeground));
+}
+
 // Returns the names of the layers that are read of a picture: those of the denoiser, and others
 // that it may have.
 std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFlags& flags) {
@@ -58,11 +65,22 @@ std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFla
   const auto has = [&](const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  std::vector<std::string> wanted = DenoiserChannels();
+  const AovSet of_catchers = AovsOf(AovSum::kShadow) | AovsOf(AovSum::kDifference);
+  const bool shows_catchers = has("difference.R");
+  if (shows_catchers && flags.steady > 0) {
+    throw InputError(InputPosition::File(path),
+                     "shows catchers, and frames of those are not steadied yet: leave `steady` out",
+                     kExitUsage);
+  }
+  std::vector<std::string> wanted =
+      ChannelsOf(DenoiserLayers({}) | (shows_catchers ? of_catchers | PartAovs() : 0));
   const auto missing = std::find_if_not(wanted.begin(), wanted.end(), has);
   if (missing != wanted.end()) throw MissingLayer(path, *missing);
   std::vector<std::string> others = flags.steady > 0 ? FlowChannels() : std::vector<std::string>();
   others.emplace_back(kAlpha);
+  if (shows_catchers) {
+    for (std::string& other : ChannelsBesideBackground()) others.push_back(std::move(other));
+  }
   for (std::string& other : others) {
     if (has(other)) wanted.push_back(std::move(other));
   }
@@ -81,23 +99,28 @@ NoisyPicture ReadNoisy(const DenoiseFlags& flags, const std::string& path,
   return noisy;
 }
 
-// Writes a clean picture, and returns what is to be said of it.
-std::vector<std::string> WriteClean(const DenoiseFlags& flags, Denoiser by, NoisyPicture noisy,
-                                    Denoised clean) {
-  Picture picture = {.image = std::move(clean.image),
-                     .alpha = std::move(noisy.alpha),
-                     .layers = std::move(noisy.picture.layers),
-                     .metadata = OfDerived(noisy.metadata, "noisyCommand"),
-                     .placement = noisy.picture.placement,
-                     .space = noisy.picture.space};
-  if (IsStraight(noisy.metadata)) picture.format.alpha = AlphaForm::kStraight;
-  picture.notes = NotesOf(clean);
+// Writes a picture that was cleaned, and returns what is to be said of it.
+std::vector<std::string> WriteClean(const DenoiseFlags& flags, Denoiser by, NoisyPicture cleaned,
+                                    Cleaning cleaning) {
+  Picture picture = {.image = std::move(cleaned.picture.image),
+                     .alpha = std::move(cleaned.alpha),
+                     .layers = std::move(cleaned.picture.layers),
+                     .notes = std::move(cleaning.notes),
+                     .metadata = OfDerived(cleaned.metadata, "noisyCommand"),
+                     .placement = cleaned.picture.placement,
+                     .space = cleaned.picture.space};
+  if (IsStraight(cleaned.metadata)) picture.format.alpha = AlphaForm::kStraight;
   picture.metadata.emplace_back("denoiser", ToString(by));
-  if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);
+  if (!cleaning.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, cleaning.oidn);
   if (flags.steady > 0) picture.metadata.emplace_back("steady", std::to_string(flags.steady));
   Expose(ExposureOfDerived(flags.exposure, picture.metadata), picture);
-  picture.layers = std::move(clean.error);
-  WriteExrAndPng(noisy.output, picture);
+  // The others are noisy.
+  const std::vector<std::string> clean = ChannelsOf(CatcherAovs());
+  std::erase_if(picture.layers, [&](const NamedChannel& layer) {
+    return std::find(clean.begin(), clean.end(), layer.name) == clean.end();
+  });
+  for (NamedChannel& channel : cleaning.error) picture.layers.push_back(std::move(channel));
+  WriteExrAndPng(cleaned.output, picture);
   return picture.notes;
 }
 
@@ -176,8 +199,9 @@ void DenoiseEach(const DenoiseFlags& flags, Denoiser by, const std::vector<std::
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     report.Begin(flags.inputs[i]);
     NoisyPicture noisy = ReadNoisy(flags, flags.inputs[i], outputs[i]);
-    Denoised clean = Denoise(by, noisy.path, noisy.picture.image, noisy.picture.layers);
-    report.Wrote(outputs[i], WriteClean(flags, by, std::move(noisy), std::move(clean)));
+    Cleaning cleaning =
+        CleanPicture(by, noisy.path, noisy.picture.image, noisy.alpha, noisy.picture.layers);
+    report.Wrote(outputs[i], WriteClean(flags, by, std::move(noisy), std::move(cleaning)));
   }
 }
 
@@ -215,12 +239,15 @@ void DenoiseFrames(const DenoiseFlags& flags, const std::vector<std::string>& ou
     std::vector<const CleanFrame*> frames;
     for (const CleanFrame& frame : window) frames.push_back(&frame);
     Denoised clean = Steady(frames, i - (read - window.size()));
-    std::vector<std::string> notes;
-    if (i == 0) notes = NotesOfFrames(flags, to_write.front().metadata, window.front());
-    for (std::string& note :
-         WriteClean(flags, Denoiser::kStatistics, std::move(to_write.front()), std::move(clean))) {
-      notes.push_back(std::move(note));
+    Cleaning cleaning = {std::move(clean.error), NotesOf(clean), ""};
+    if (i == 0) {
+      const std::vector<std::string> notes =
+          NotesOfFrames(flags, to_write.front().metadata, window.front());
+      cleaning.notes.insert(cleaning.notes.begin(), notes.begin(), notes.end());
     }
+    to_write.front().picture.image = std::move(clean.image);
+    const std::vector<std::string> notes =
+        WriteClean(flags, Denoiser::kStatistics, std::move(to_write.front()), std::move(cleaning));
     to_write.pop_front();
     report.Wrote(outputs[i], notes);
   }

@@ -184,6 +184,17 @@ float ExposureStops(const PhotographicExposure& camera) {
   return float(-std::log2(kSaturation / (kLens * kSpeed)) - ExposureValue100(camera));
 }
 
+std::vector<NamedChannel> AsLayer(std::string_view name, const Image& image) {
+  std::vector<NamedChannel> channels;
+  for (std::size_t c = 0; c < 3 && !image.rgb.empty(); ++c) {
+    NamedChannel& channel =
+        channels.emplace_back(NamedChannel{fmt::format("{}.{}", name, "RGB"[c]), {}});
+    channel.values.reserve(image.rgb.size() / 3);
+    for (std::size_t i = c; i < image.rgb.size(); i += 3) channel.values.push_back(image.rgb[i]);
+  }
+  return channels;
+}
+
 std::vector<std::uint8_t> ToBytes(std::span<const float> shares) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(shares.size());

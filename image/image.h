@@ -87,6 +87,9 @@ struct NamedChannel {
   std::string name;
   std::vector<float> values;
 };
+// Returns the colours of an image as channels NAME.R, NAME.G and NAME.B; none of an empty one.
+std::vector<NamedChannel> AsLayer(std::string_view name, const Image& image);
+
 // The values are those in a file. PXR24, B44 and DWA lose digits. The names are those of what can
 // be written; B44 would leave floats uncompressed.
 enum class ExrCompression : std::uint8_t {

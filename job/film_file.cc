@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little,
               "films are written as they lie in memory");
 
 constexpr std::string_view kMagic = "SKYWFILM";
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr std::size_t kMostBytes = std::size_t{1} << 40;
 constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
 // No film has more values than this, so that sizes of a torn manifest do not exhaust the memory.

@@ -219,12 +219,12 @@ void RenderJob::PlanComposites(const Scene& scene) {
   RenderOptions& options = request_.options;
   AovSet layers = 0;
   if (HasCatchers(scene)) {
-    if (request_.denoise != Denoiser::kNone) {
-      throw OptionError("denoise", "", "the light of catchers cannot be denoised yet");
-    }
     request_.background = request_.background.value_or(Background::kTransparent);
     layers = CatcherAovs();
-  } else if ((options.aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
+    // A denoiser needs those of the parts as well.
+    const bool for_denoiser = (DenoiserLayers(options.aovs) & ~options.aovs) == 0;
+    if (for_denoiser) layers |= DenoiserLayers(layers);
+  } else if ((options.aovs & (CatcherAovs() | PartAovs()) & ~AovsOf(AovSum::kAlpha)) != 0) {
     throw OptionError("aovs", ToString(options.aovs),
                       "the scene has no catchers: name some, as in `catcher ground`");
   }
@@ -449,7 +449,7 @@ FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
   return {.area = area,
           .brightest_radiance = brightest_,
           .aovs = options().aovs | layers |
-                  (request_.denoise != Denoiser::kNone ? DenoiserLayers() : 0),
+                  (request_.denoise != Denoiser::kNone ? DenoiserLayers(options().aovs) : 0),
           .world_extent = world_extent_,
           .shared = Describe(integrator).has_splats,
           .light_groups = light_groups_.names,

@@ -14,6 +14,7 @@
 #include "base/version.h"
 #include "image/primaries.h"
 #include "job/backplate.h"
+#include "job/denoise/catchers.h"
 #include "job/denoise/denoise.h"
 #include "job/denoise/oidn.h"
 
@@ -72,19 +73,6 @@ bool IsOfLayers(std::string_view channel, AovSet layers) {
   return false;
 }
 
-// Returns the colours of a picture, if it is there, as layers called `name`.
-std::vector<NamedChannel> ChannelsOf(std::string_view name, const Image& image) {
-  std::vector<NamedChannel> channels;
-  if (image.rgb.empty()) return channels;
-  for (const std::size_t c : {0, 1, 2}) {
-    NamedChannel& channel =
-        channels.emplace_back(NamedChannel{fmt::format("{}.{}", name, "RGB"[c]), {}});
-    channel.values.reserve(image.rgb.size() / 3);
-    for (std::size_t i = c; i < image.rgb.size(); i += 3) channel.values.push_back(image.rgb[i]);
-  }
-  return channels;
-}
-
 // Replaces the picture by a clean one, by the layers that the denoiser reads, and adds those that
 // denoising adds.
 void Clean(Denoiser by, const std::string& scene, Picture& picture) {
@@ -94,21 +82,19 @@ void Clean(Denoiser by, const std::string& scene, Picture& picture) {
                     kFewestDenoiserSamples));
     return;
   }
-  Denoised clean;
+  std::vector<NamedChannel> noisy = AsLayer("noisy", picture.image);
+  Cleaning cleaning;
   try {
-    clean = Denoise(by, scene, picture.image, picture.layers);
+    cleaning = CleanPicture(by, scene, picture.image, picture.alpha, picture.layers);
   } catch (const OidnError& error) {
     // The rays have been traced, and their picture is worth more than none.
     picture.notes.push_back(fmt::format("not denoised: {}", error.what()));
     return;
   }
-  for (NamedChannel& channel : ChannelsOf("noisy", picture.image)) {
-    picture.layers.push_back(std::move(channel));
-  }
-  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
-  for (std::string& note : NotesOf(clean)) picture.notes.push_back(std::move(note));
-  if (!clean.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, clean.oidn);
-  picture.image = std::move(clean.image);
+  for (NamedChannel& channel : noisy) picture.layers.push_back(std::move(channel));
+  for (NamedChannel& channel : cleaning.error) picture.layers.push_back(std::move(channel));
+  for (std::string& note : cleaning.notes) picture.notes.push_back(std::move(note));
+  if (!cleaning.oidn.empty()) picture.metadata.emplace_back(kOidnVersion, cleaning.oidn);
 }
 
 // Returns what is behind a picture with alpha: the photograph, or the layer of the map on the
@@ -288,7 +274,7 @@ bool IsTransparent(const PictureIdentity& identity) {
 }
 
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity) {
-  return layers | (DenoiserOf(identity) != Denoiser::kNone ? DenoiserLayers() : 0) |
+  return layers | (DenoiserOf(identity) != Denoiser::kNone ? DenoiserLayers(layers) : 0) |
          (IsAutomatic(ExposureOf(identity)) ? MeteredLayers() : 0);
 }
 
@@ -338,15 +324,15 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   picture.image = std::move(resolved.image);
   picture.layers = std::move(resolved.layers);
   NoteHiddenObjects(picture);
+  if (IsTransparent(identity)) MakeTransparent(picture);
   if (const Denoiser by = DenoiserOf(identity); by != Denoiser::kNone) {
     ArenaOf(threads).execute([&] { Clean(by, identity.scene, picture); });
   }
-  if (IsTransparent(identity)) MakeTransparent(picture);
   ExposeAndCompose(identity, part.window, picture);
   std::erase_if(picture.layers, [&](const NamedChannel& channel) {
     return !IsOfLayers(channel.name, layers) && !IsOfDenoiser(channel.name);
   });
-  for (NamedChannel& channel : ChannelsOf("composite", picture.composite)) {
+  for (NamedChannel& channel : AsLayer("composite", picture.composite)) {
     picture.layers.push_back(std::move(channel));
   }
   return picture;

@@ -227,7 +227,7 @@ void AddHalf(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
     for (std::uint32_t row = i; row < std::min(i + lanes, n); ++row) {
       if (!IsInSecondHalf(paths.sample[row])) continue;
       const std::size_t pixel = paths.pixel[row];
-      ++half.samples[pixel];
+      if (half.samples != nullptr) ++half.samples[pixel];
       for (std::size_t c = 0; c < 3; ++c) {
         const std::uint64_t value = units.rgb[c][row - i];
         std::uint64_t& sum = half.sums[3 * pixel + c];

@@ -64,7 +64,8 @@ inline bool IsInSecondHalf(std::uint32_t sample) {
   return (std::popcount(block) & 1) != 0;
 }
 
-// Sums of the second halves: their number by pixel, and their units and squares, three per pixel.
+// Sums of the second halves: their number by pixel, which null does not count, and their units and
+// squares, three per pixel.
 struct HalfSums {
   std::uint32_t* samples;
   std::uint64_t* sums;

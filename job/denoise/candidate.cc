@@ -108,7 +108,7 @@ Denoised PictureOf(const DenoiserPlanes& planes, const OutlierExcess& outliers,
       const std::size_t pixel = std::size_t(y) * std::size_t(shape.width) + std::size_t(x);
       for (std::size_t c = 0; c < 3; ++c) {
         spread_sum += double(spread[c][shape.at(x, y)]);
-        sum += double(result.image.rgb[3 * pixel + c]);
+        sum += std::abs(double(result.image.rgb[3 * pixel + c]));
       }
     }
   }

@@ -148,8 +148,8 @@ Denoiser ResolveDenoiser(Denoiser by) {
 }
 
 Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
-                 std::span<const NamedChannel> layers) {
-  const DenoiserInput input = FindInput(name, image, layers);
+                 std::span<const NamedChannel> layers, const NoiseLayers& noise) {
+  const DenoiserInput input = FindInput(name, image, layers, noise);
   DenoiserPlanes planes = ReadPlanes(input);
   const OutlierExcess outliers = TakeOutliers(input, planes);
   SmoothNoises(input, planes);

@@ -40,7 +40,7 @@ Denoiser ResolveDenoiser(Denoiser by);
 // DenoiserChannels, in any order, and may be others too. Throws InputError about `name` if one is
 // missing or has another size, if a value is not finite, or where a pixel has too few samples.
 Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
-                 std::span<const NamedChannel> layers);
+                 std::span<const NamedChannel> layers, const NoiseLayers& noise = {});
 
 // Returns lines that say what was done with outliers, and where the best comes from.
 std::vector<std::string> NotesOf(const Denoised& denoised);

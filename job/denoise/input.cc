@@ -21,21 +21,6 @@ float BrightnessOf(const Image& image) {
   return std::ldexp(1.0f, exponent);
 }
 
-std::span<const float> Find(const std::string& name, const Image& image,
-                            std::span<const NamedChannel> layers, std::string_view channel) {
-  const auto found = std::find_if(layers.begin(), layers.end(),
-                                  [&](const NamedChannel& layer) { return layer.name == channel; });
-  if (found == layers.end()) {
-    throw MissingLayer(name, channel);
-  }
-  const std::size_t pixels = image.rgb.size() / 3;
-  if (found->values.size() != pixels) {
-    throw InputError(InputPosition::File(name), fmt::format("has {} pixels, and its channel {} {}",
-                                                            pixels, channel, found->values.size()));
-  }
-  return found->values;
-}
-
 void CheckFinite(const std::string& name, const Image& image, std::string_view channel,
                  std::span<const float> values, std::size_t step) {
   const auto bad =
@@ -76,18 +61,33 @@ InputError MissingLayer(const std::string& name, std::string_view channel) {
   return {InputPosition::File(name),
           fmt::format("has no channel {}, which the denoiser needs; render with `denoise`, or with "
                       "the layers {} in `aovs`",
-                      channel, ToString(DenoiserLayers()))};
+                      channel, ToString(DenoiserLayers({})))};
 }
 
-AovSet DenoiserLayers() {
-  static const AovSet layers = ParseAovs("denoiser").value();
-  return layers;
+std::span<const float> FindChannel(const std::string& name, std::size_t pixels,
+                                   std::span<const NamedChannel> layers, std::string_view channel) {
+  const auto found = std::find_if(layers.begin(), layers.end(),
+                                  [&](const NamedChannel& layer) { return layer.name == channel; });
+  if (found == layers.end()) {
+    throw MissingLayer(name, channel);
+  }
+  if (found->values.size() != pixels) {
+    throw InputError(InputPosition::File(name), fmt::format("has {} pixels, and its channel {} {}",
+                                                            pixels, channel, found->values.size()));
+  }
+  return found->values;
 }
 
-std::vector<std::string> DenoiserChannels() {
+AovSet DenoiserLayers(AovSet layers) {
+  static const AovSet of_all = ParseAovs("denoiser").value();
+  const bool of_catchers = Sums(layers, AovSum::kDifference);
+  return of_all | (of_catchers ? CatcherAovs() | PartAovs() : 0);
+}
+
+std::vector<std::string> ChannelsOf(AovSet layers) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < Aovs().size(); ++k) {
-    if ((DenoiserLayers() >> k & 1) == 0) continue;
+    if ((layers >> k & 1) == 0) continue;
     for (const char letter : Aovs()[k].channels) {
       names.push_back(fmt::format("{}.{}", Aovs()[k].name, letter));
     }
@@ -95,31 +95,36 @@ std::vector<std::string> DenoiserChannels() {
   return names;
 }
 
+std::vector<std::string> DenoiserChannels() { return ChannelsOf(DenoiserLayers({})); }
+
 bool CanDenoise(const Image& image, std::span<const NamedChannel> layers) {
-  const std::span<const float> samples = Find("", image, layers, "samples.V");
-  return FindTooFew(samples, Find("", image, layers, "half.N")) == samples.size();
+  const std::size_t pixels = image.rgb.size() / 3;
+  const std::span<const float> samples = FindChannel("", pixels, layers, "samples.V");
+  return FindTooFew(samples, FindChannel("", pixels, layers, "half.N")) == pixels;
 }
 
 DenoiserInput FindInput(const std::string& name, const Image& image,
-                        std::span<const NamedChannel> layers) {
+                        std::span<const NamedChannel> layers, const NoiseLayers& noise) {
   const auto find = [&](std::string_view channel) {
-    const std::span<const float> values = Find(name, image, layers, channel);
+    const std::span<const float> values = FindChannel(name, image.rgb.size() / 3, layers, channel);
     CheckFinite(name, image, channel, values, 1);
     return values;
   };
+  const auto of_noise = [&](const std::string& channel) { return find(noise.prefix + channel); };
   CheckFinite(name, image, "RGB", image.rgb, 3);
   const DenoiserInput input = {
       .image = image,
       .brightness = BrightnessOf(image),
       .samples = find("samples.V"),
-      .variance = {find("variance.R"), find("variance.G"), find("variance.B")},
-      .half = {find("half.R"), find("half.G"), find("half.B")},
+      .variance = {of_noise("variance.R"), of_noise("variance.G"), of_noise("variance.B")},
+      .half = {of_noise("half.R"), of_noise("half.G"), of_noise("half.B")},
       .half_samples = find("half.N"),
-      .half_variance = {find("half-variance.R"), find("half-variance.G"), find("half-variance.B")},
+      .half_variance = {of_noise("half-variance.R"), of_noise("half-variance.G"),
+                        of_noise("half-variance.B")},
       .albedo = {find("albedo.R"), find("albedo.G"), find("albedo.B")},
       .normal = {find("shading-normal.X"), find("shading-normal.Y"), find("shading-normal.Z")},
       .depth = find("depth.Z"),
-      .coverage = find("coverage.V")};
+      .coverage = find(noise.coverage)};
   CheckSamples(name, input);
   return input;
 }

@@ -67,6 +67,30 @@ TEST_F(DenoiseProgram, KeepsTheWorkingSpace) {
   EXPECT_EQ(Bytes("two.png"), Bytes("one.png"));
 }
 
+// The same for pictures with catchers, whose parts are cleaned one by one.
+TEST_F(DenoiseProgram, CatchersAreCleanedByOneCommandAndByTwo) {
+  for (const std::string background : {"transparent", "map"}) {
+    const std::string render = kRender + ("--catcher floor --background " + background);
+    Make(render + " --denoise -o one.exr");
+    Make(render + " --aovs denoiser -o noisy.exr");
+    Make("denoise noisy.exr -q -o two.exr");
+    EXPECT_EQ(Bytes("two.png"), Bytes("one.png")) << background;
+    std::vector<std::string> names = {"shadow.R", "difference.G", "error.B"};
+    names.push_back(background == "map" ? "alpha.A" : "A");
+    const LayeredImage one = ReadLayeredImage(Path("one.exr"), names);
+    const LayeredImage two = ReadLayeredImage(Path("two.exr"), names);
+    const LayeredImage noisy = ReadLayeredImage(Path("noisy.exr"), {names[0], names[1]});
+    EXPECT_EQ(two.image.rgb, one.image.rgb);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      EXPECT_EQ(two.layers[k].values, one.layers[k].values) << names[k];
+    }
+    for (std::size_t k = 0; k < noisy.layers.size(); ++k) {
+      EXPECT_NE(noisy.layers[k].values, one.layers[k].values) << names[k];
+    }
+  }
+  ExpectRefused("denoise noisy.exr one.exr --steady 1 -o b", kExitUsage, "shows catchers");
+}
+
 // A noisy picture that was exposed automatically leads to a clean one that is, too.
 TEST_F(DenoiseProgram, ExposureIsAutomaticWhereThatOfTheNoisyPictureWas) {
   Make(kRender + std::string("--denoise --exposure auto -o one.exr"));

@@ -390,7 +390,7 @@ TEST_F(TornFilm, AFilmThatIsTornOrChangedIsRefused) {
 
 TEST_F(TornFilm, AManifestThatDisagreesWithTheDataIsRefused) {
   const std::vector<std::pair<const char*, Json>> lies = {
-      {"/format", 2},
+      {"/format", 1},
       {"/window", {0, 0, 8, 5}},
       {"/window", {0, 0, 8, 3}},
       {"/window", {0, -1, 8, 4}},

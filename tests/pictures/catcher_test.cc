@@ -315,7 +315,6 @@ TEST(Catchers, RequestsThatCannotCatchAreRefusedByName) {
   EXPECT_NO_THROW(RenderJob(scene, plain));
   refused("direct or path", [](JobRequest& request) { request.integrator = Integrator::kBdpt; });
   refused("split", [](JobRequest& request) { request.options.bsdf_samples = 2; });
-  refused("denoise", [](JobRequest& request) { request.denoise = Denoiser::kStatistics; });
   refused("max-depth 0", [](JobRequest& request) { request.max_depth = 0; });
 }
 

@@ -176,6 +176,40 @@ TEST(AovFilm, HalvesHaveTheirOwnMeanAndVariance) {
   }
 }
 
+// What objects change may be negative in films whose samples are not.
+TEST(AovFilm, ChangesHaveSignsAndTheirOwnNoise) {
+  const AovSet layers = *ParseAovs("difference") | PartAovs();
+  const auto value = [](std::uint32_t sample) {
+    return (sample % 3 == 0 ? -1.0f : 0.25f) * sample;
+  };
+  double sum = 0, squares = 0, half = 0, half_squares = 0;
+  Film film(1, 1, 32, layers, 1), first(1, 1, 32, layers, 1), last(1, 1, 32, layers, 1);
+  for (std::uint32_t sample = 0; sample < 16; ++sample) {
+    const double x = value(sample);
+    sum += x, squares += x * x;
+    if (IsInSecondHalf(sample)) half += x, half_squares += x * x;
+    for (Film* const one : {&film, sample < 7 ? &first : &last}) {
+      AddSample(*one, sample, 2);
+      const soa::Table<PathColumns> path(1);
+      path->pixel[0] = 0, path->sample[0] = sample;
+      path->r[0] = value(sample), path->g[0] = path->b[0] = 0;
+      one->AddLightPart(LightPart::kChange, path, 1);
+    }
+  }
+  ASSERT_LT(sum, 0);
+  first.Merge(last);
+  for (const Film* const one : {&film, &first}) {
+    const Layers channels = ByName(one->ResolveAovs(16));
+    EXPECT_NEAR(channels.at("difference.R")[0], sum / 16, 1e-6);
+    EXPECT_NEAR(channels.at("difference-half.R")[0], half / 8, 1e-6);
+    EXPECT_NEAR(channels.at("difference-variance.R")[0], (squares - sum * sum / 16) / 15, 1e-5);
+    EXPECT_NEAR(channels.at("difference-half-variance.R")[0], (half_squares - half * half / 8) / 7,
+                1e-5);
+    EXPECT_EQ(channels.at("difference.G")[0], 0);
+    EXPECT_EQ(channels.at("objects-variance.R")[0], 0);
+  }
+}
+
 // As many first samples as a denoiser asks for, and any power of two from there on, have equal
 // halves.
 TEST(AovFilm, HalvesAreEqualAtPowersOfTwo) {

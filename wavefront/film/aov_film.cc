@@ -57,6 +57,20 @@ std::uint64_t Magnitude(std::uint64_t sum, bool has_signs) {
   return has_signs && std::int64_t(sum) < 0 ? -sum : sum;
 }
 
+void ResizeHalf(std::size_t pixels, SampleMoments& moments) {
+  moments.half.resize(pixels * 3);
+  moments.half_squares.resize(pixels * 3);
+}
+
+// Adds paths [0, n) to those moments that are kept. The number of samples in second halves is that
+// of all kinds of light, so one of them counts.
+void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                std::uint32_t* half_samples, SampleMoments& moments) {
+  if (!moments.squares.empty()) AddSquaresToFilm(paths, n, scale, moments.squares.data());
+  if (moments.half.empty()) return;
+  AddHalfToFilm(paths, n, scale, {half_samples, moments.half.data(), moments.half_squares.data()});
+}
+
 float ToFloat(double value) {
   return float(std::min(value, double(std::numeric_limits<float>::max())));
 }
@@ -85,11 +99,17 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
   }
   if (ReadsHits(aovs)) hits_.resize(pixels);
   if (Sums(aovs, AovSum::kNearestHit)) nearest_.resize(pixels, kNoSample);
-  if (Sums(aovs, AovSum::kVariance)) squares_.resize(pixels * 3);
-  if (Sums(aovs, AovSum::kHalf) || Sums(aovs, AovSum::kHalfVariance)) {
+  if (Sums(aovs, AovSum::kVariance)) beauty_.squares.resize(pixels * 3);
+  for (std::size_t i = 0; i < Aovs().size(); ++i) {
+    const Aov& aov = Aovs()[i];
+    if ((aovs >> i & 1) == 0) continue;
+    if (aov.part && aov.sum == AovSum::kVariance) {
+      part_moments_[std::size_t(*aov.part)].squares.resize(pixels * 3);
+    }
+    if (aov.sum != AovSum::kHalf && aov.sum != AovSum::kHalfVariance) continue;
     half_samples_.resize(pixels);
-    half_.resize(pixels * 3);
-    half_squares_.resize(pixels * 3);
+    ResizeHalf(pixels, beauty_);  // which counts them
+    if (aov.part) ResizeHalf(pixels, part_moments_[std::size_t(*aov.part)]);
   }
   if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
   if (Sums(aovs, AovSum::kAlpha) || Sums(aovs, AovSum::kMatte)) weights_.resize(pixels * kFirsts);
@@ -101,9 +121,9 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
     sums.ids.resize(sums.slots * pixels);
     sums.weights.resize(sums.slots * pixels);
   }
-  if ((aovs & CatcherAovs() & ~AovsOf(AovSum::kAlpha)) != 0) {
-    for (const LightPart part : {LightPart::kForeground, LightPart::kCaught, LightPart::kClean}) {
-      light_parts_[std::size_t(part)].resize(pixels * 3);
+  if ((aovs & (CatcherAovs() | PartAovs()) & ~AovsOf(AovSum::kAlpha)) != 0) {
+    for (std::size_t part = 0; part < kPartsOfCatchers; ++part) {
+      light_parts_[part].resize(pixels * 3);
     }
     if (weights_.empty()) weights_.resize(pixels * kFirsts);
   }
@@ -170,21 +190,29 @@ double AovFilm::WeightOf(std::size_t pixel) const {
   return all;
 }
 
+double AovFilm::ShareOf(std::size_t pixel, std::size_t first) const {
+  const double all = WeightOf(pixel);
+  return all > 0 ? SumValue(weights_[kFirsts * pixel + first], has_signs_) / all : 0;
+}
+
 void AovFilm::AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n,
                            const FilmScale& scale) {
   FilmValues<std::uint64_t>& sums = light_parts_[std::size_t(part)];
-  if (!sums.empty()) AddToFilm(paths, n, scale, sums.data());
+  if (sums.empty()) return;
+  FilmScale of_part = scale;
+  if (HasSigns(part) && !scale.has_signs) of_part.has_signs = true, of_part.limit *= 0.5f;
+  AddToFilm(paths, n, of_part, sums.data());
+  if (std::size_t(part) >= kPartsOfCatchers) return;
+  AddMoments(paths, n, of_part, nullptr, part_moments_[std::size_t(part)]);
 }
 
-// The least of the ratios of the channels: what is beyond it is light that objects add.
-double AovFilm::Kept(std::size_t pixel) const {
-  double kept = 1;
-  if (light_parts_[0].empty()) return kept;
-  for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-    const double clean = LightOf(LightPart::kClean, i);
-    if (clean > 0) kept = std::min(kept, std::max(LightOf(LightPart::kCaught, i), 0.0) / clean);
+CaughtLight AovFilm::CaughtLightOf(std::size_t pixel) const {
+  CaughtLight light = {};
+  for (std::size_t c = 0; c < 3 && !light_parts_[0].empty(); ++c) {
+    light.clean[c] = LightOf(LightPart::kClean, 3 * pixel + c);
+    light.change[c] = LightOf(LightPart::kChange, 3 * pixel + c);
   }
-  return kept;
+  return light;
 }
 
 void AovFilm::AddFirstHits(const FirstHits& hits) {
@@ -237,9 +265,7 @@ void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t 
 }
 
 void AovFilm::AddRadiance(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
-  if (!squares_.empty()) AddSquaresToFilm(paths, n, scale, squares_.data());
-  if (half_.empty()) return;
-  AddHalfToFilm(paths, n, scale, {half_samples_.data(), half_.data(), half_squares_.data()});
+  AddMoments(paths, n, scale, half_samples_.data(), beauty_);
 }
 
 void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
@@ -272,7 +298,7 @@ void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, s
 }
 
 double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const {
-  return Variance(squares_[i], Magnitude(sum, has_signs_), samples);
+  return Variance(beauty_.squares[i], Magnitude(sum, has_signs_), samples);
 }
 
 std::vector<NamedChannel> AovFilm::Channels(AovSet wanted, std::size_t pixels) const {
@@ -323,11 +349,16 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
                       std::span<const std::uint64_t> radiance, const FilmScale& scale,
                       const SampleCounts& samples, std::vector<NamedChannel>& channels) const {
   const double unit = 1 / scale.units;
-  // Value i of a layer is channel i % channels of pixel i / channels.
+  // Value i of a layer is channel c = i % channels of pixel i / channels.
   const auto value = [&](const Aov& aov, const HitLayer* layer, std::size_t group,
                          std::size_t pixel, std::size_t i) -> double {
     const double n = double(std::max<std::uint64_t>(samples[pixel], 1));
     const double unit_of_mean = unit / n;
+    const std::size_t c = i - pixel * aov.channels.size();
+    const std::span<const std::uint64_t> sums =
+        aov.part ? std::span<const std::uint64_t>(light_parts_[std::size_t(*aov.part)]) : radiance;
+    const SampleMoments& moments = aov.part ? part_moments_[std::size_t(*aov.part)] : beauty_;
+    const bool has_signs = aov.part ? HasSigns(*aov.part) : has_signs_;
     switch (aov.sum) {
       case AovSum::kMeanOfHits:
         if (hits_[pixel] == 0) return aov.background;
@@ -339,42 +370,38 @@ void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
       case AovSum::kSampleCount:
         return double(samples[pixel]);
       case AovSum::kVariance:
-        return VarianceOf(i, radiance[i], samples[pixel]) * unit * unit;
+        return Variance(moments.squares[i], Magnitude(sums[i], has_signs), samples[pixel]) * unit *
+               unit;
       case AovSum::kHalf: {
         const std::uint32_t count = half_samples_[pixel];
-        const std::size_t c = i - 4 * pixel;
         if (c == 3) return double(count);
-        return SumValue(half_[3 * pixel + c], has_signs_) * unit / std::max(count, 1u);
+        return SumValue(moments.half[3 * pixel + c], has_signs) * unit / std::max(count, 1u);
       }
       case AovSum::kHalfVariance:
-        return Variance(half_squares_[i], Magnitude(half_[i], has_signs_), half_samples_[pixel]) *
+        return Variance(moments.half_squares[i], Magnitude(moments.half[i], has_signs),
+                        half_samples_[pixel]) *
                unit * unit;
       case AovSum::kDirect:
         return SumValue(direct_[i], has_signs_) * unit_of_mean;
       case AovSum::kIndirect:
         if (has_signs_) return SumValue(radiance[i] - direct_[i], true) * unit_of_mean;
         return double(radiance[i] - std::min(radiance[i], direct_[i])) * unit_of_mean;
-      case AovSum::kAlpha: {
-        const auto weight = [&](std::size_t of) {
-          return SumValue(weights_[kFirsts * pixel + of], has_signs_);
-        };
-        const double all = WeightOf(pixel);
-        if (!(all > 0)) return 0;
-        return (weight(kObjects) + (1 - Kept(pixel)) * weight(kCatchers)) / all;
-      }
-      case AovSum::kShadow: {
-        const double clean = LightOf(LightPart::kClean, i);
-        return clean > 0 ? LightOf(LightPart::kCaught, i) / clean : 1;
-      }
+      case AovSum::kAlpha:
+        return ShareOf(pixel, kObjects) +
+               (1 - KeptShare(CaughtLightOf(pixel))) * ShareOf(pixel, kCatchers);
+      case AovSum::kShadow:
+        return ShadowOf(CaughtLightOf(pixel), c);
       case AovSum::kDifference:
-        return (LightOf(LightPart::kCaught, i) - LightOf(LightPart::kClean, i)) * unit_of_mean;
+        return LightOf(LightPart::kChange, i) * unit_of_mean;
       case AovSum::kForeground: {
-        // Without signs nothing is less than what is kept, but for rounding.
-        const double rest =
-            LightOf(LightPart::kCaught, i) - Kept(pixel) * LightOf(LightPart::kClean, i);
-        const double added = has_signs_ ? rest : std::max(rest, 0.0);
-        return (LightOf(LightPart::kForeground, i) + added) * unit_of_mean;
+        const CaughtLight caught = CaughtLightOf(pixel);
+        const double more = AddedLight(caught, KeptShare(caught), c);
+        const double added = has_signs_ ? more : std::max(more, 0.0);
+        return (LightOf(LightPart::kObjects, i) + added) * unit_of_mean;
       }
+      case AovSum::kPart:
+        if (c == 3) return ShareOf(pixel, *aov.part == LightPart::kObjects ? kObjects : kCatchers);
+        return SumValue(sums[3 * pixel + c], has_signs) * unit_of_mean;
       case AovSum::kBackdrop:
         return LightOf(LightPart::kBackdrop, i) * unit_of_mean;
       case AovSum::kLightGroups:

@@ -33,14 +33,12 @@ struct FirstHits {
   std::uint32_t rays;  // rows of the last three
 };
 
-// The light of catchers, of objects and of what is behind them is summed in these parts.
-enum class LightPart {
-  kForeground,  // of objects
-  kCaught,      // of catchers
-  kClean,       // of catchers, without the objects
-  kBackdrop     // what camera rays would see if nothing was in front
+// What the noise of a kind of light is estimated from, three values per pixel.
+struct SampleMoments {
+  FilmValues<Uint128> squares;       // of all samples [1 / scale.units^2]
+  FilmValues<std::uint64_t> half;    // of the second halves [1 / scale.units]
+  FilmValues<Uint128> half_squares;  // likewise
 };
-inline constexpr std::size_t kLightParts = 4;
 
 class AovFilm {
  public:
@@ -59,7 +57,8 @@ class AovFilm {
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const FilmScale& scale, const GroupColumns& given);
 
-  // Adds the radiance of paths [0, n) to a part of the light, if it is kept.
+  // Adds the radiance of paths [0, n) to a part of the light, if it is kept. That of kChange has
+  // signs.
   void AddLightPart(LightPart part, const PathColumns& paths, std::uint32_t n,
                     const FilmScale& scale);
 
@@ -82,13 +81,13 @@ class AovFilm {
     f(
         [](auto& film) -> auto& { return film.hits_; }, FilmColumn{});
     f(
-        [](auto& film) -> auto& { return film.squares_; }, FilmColumn{3});
+        [](auto& film) -> auto& { return film.beauty_.squares; }, FilmColumn{3});
     f(
         [](auto& film) -> auto& { return film.half_samples_; }, FilmColumn{});
     f(
-        [](auto& film) -> auto& { return film.half_; }, FilmColumn{3});
+        [](auto& film) -> auto& { return film.beauty_.half; }, FilmColumn{3});
     f(
-        [](auto& film) -> auto& { return film.half_squares_; }, FilmColumn{3});
+        [](auto& film) -> auto& { return film.beauty_.half_squares; }, FilmColumn{3});
     f(
         [](auto& film) -> auto& { return film.direct_; }, FilmColumn{3});
     f(
@@ -96,8 +95,19 @@ class AovFilm {
     f(
         [](auto& film) -> auto& { return film.weights_; }, FilmColumn{3});
     for (std::size_t part = 0; part < light_parts_.size(); ++part) {
+      const FilmColumn column = {.per_pixel = 3, .has_signs = HasSigns(LightPart(part))};
       f(
-          [part](auto& film) -> auto& { return film.light_parts_[part]; }, FilmColumn{3});
+          [part](auto& film) -> auto& { return film.light_parts_[part]; }, column);
+    }
+    for (std::size_t part = 0; part < part_moments_.size(); ++part) {
+      const FilmColumn column = {.per_pixel = 3, .has_signs = HasSigns(LightPart(part))};
+      f(
+          [part](auto& film) -> auto& { return film.part_moments_[part].squares; }, FilmColumn{3});
+      f(
+          [part](auto& film) -> auto& { return film.part_moments_[part].half; }, column);
+      f(
+          [part](auto& film) -> auto& { return film.part_moments_[part].half_squares; },
+          FilmColumn{3});
     }
     for (std::size_t k = 0; k < mattes_.size(); ++k) {
       const FilmColumn column = {.planes = mattes_[k].slots, .of_matte = true};
@@ -143,11 +153,14 @@ class AovFilm {
   void AddWeights(const FirstHits& hits);
   // Returns the number in MatteNames of what surface i is of.
   std::uint32_t ObjectOf(const FirstSurfaces& first, std::uint32_t i) const;
-  // Returns the share of the light of catchers that objects leave to all of its channels.
-  double Kept(std::size_t pixel) const;
+  bool HasSigns(LightPart part) const { return has_signs_ || part == LightPart::kChange; }
   double LightOf(LightPart part, std::size_t i) const {
-    return SumValue(light_parts_[std::size_t(part)][i], has_signs_);
+    return SumValue(light_parts_[std::size_t(part)][i], HasSigns(part));
   }
+  // Returns the light of catchers [1 / scale.units]; none where it is not kept.
+  CaughtLight CaughtLightOf(std::size_t pixel) const;
+  // Returns the share of the weights of a pixel of samples that meet this first (aov_film.cc).
+  double ShareOf(std::size_t pixel, std::size_t first) const;
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
   // Returns the weights of all samples of a pixel together.
   double WeightOf(std::size_t pixel) const;
@@ -157,13 +170,11 @@ class AovFilm {
   std::size_t pixels_;
   bool has_signs_;
   std::vector<HitLayer> layers_;
-  FilmValues<std::uint32_t> hits_;     // samples that hit something, by pixel
-  FilmValues<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel
-  FilmValues<Uint128> squares_;        // squares of radiance, three per pixel [1 / scale.units^2]
+  FilmValues<std::uint32_t> hits_;          // samples that hit something, by pixel
+  FilmValues<std::uint64_t> nearest_;       // key of the sample nearest to the centre, by pixel
   FilmValues<std::uint32_t> half_samples_;  // in second halves, by pixel
-  FilmValues<std::uint64_t> half_;          // their sums, three per pixel [1 / scale.units]
-  FilmValues<Uint128> half_squares_;        // their squares, likewise
-  FilmValues<std::uint64_t> direct_;        // three per pixel [1 / scale.units]
+  SampleMoments beauty_;
+  FilmValues<std::uint64_t> direct_;  // three per pixel [1 / scale.units]
   std::vector<std::string> light_groups_;
   FilmValues<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]
   // The filter's weights of samples whose first surface is of an object, of a catcher, and of those
@@ -171,6 +182,7 @@ class AovFilm {
   FilmValues<std::uint64_t> weights_;
   // Three per pixel, by LightPart [1 / scale.units].
   std::array<FilmValues<std::uint64_t>, kLightParts> light_parts_;
+  std::array<SampleMoments, kPartsOfCatchers> part_moments_;
   std::shared_ptr<const Mattes> matte_names_;
   std::array<MatteSums, kMattes> mattes_;  // by MatteOf
 };

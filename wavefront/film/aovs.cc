@@ -109,6 +109,16 @@ void ReadHiddenId(const FirstSurfaces& first, const AovColumns& out) {
 
 constexpr float kFarAway = 1e10f;  // as in Blender
 
+constexpr Aov OfPart(std::string_view name, std::string_view channels, AovSum sum, LightPart part,
+                     std::string_view help) {
+  return {.name = name,
+          .channels = channels,
+          .sum = sum,
+          .help = help,
+          .of_composites = true,
+          .part = part};
+}
+
 constexpr Aov kAovs[] = {
     {"albedo", "RGB", AovSum::kMeanOfHits, "reflectance, textures included", ReadAlbedo,
      AovRange::kColor},
@@ -162,6 +172,26 @@ constexpr Aov kAovs[] = {
      .sum = AovSum::kBackdrop,
      .help = "what is behind the picture: the map on the ground and on the dome",
      .of_composites = true},
+    OfPart("objects", "RGBA", AovSum::kPart, LightPart::kObjects,
+           "light of objects; A: share of the pixel where they are seen"),
+    OfPart("objects-variance", "RGB", AovSum::kVariance, LightPart::kObjects,
+           "of one sample of objects"),
+    OfPart("objects-half", "RGB", AovSum::kHalf, LightPart::kObjects,
+           "objects in half of the samples"),
+    OfPart("objects-half-variance", "RGB", AovSum::kHalfVariance, LightPart::kObjects,
+           "of one sample of that half"),
+    OfPart("clean", "RGBA", AovSum::kPart, LightPart::kClean,
+           "light of catchers without the objects; A: share of the pixel where they are seen"),
+    OfPart("clean-variance", "RGB", AovSum::kVariance, LightPart::kClean, "of one sample of clean"),
+    OfPart("clean-half", "RGB", AovSum::kHalf, LightPart::kClean, "clean of half of the samples"),
+    OfPart("clean-half-variance", "RGB", AovSum::kHalfVariance, LightPart::kClean,
+           "of one sample of that half"),
+    OfPart("difference-variance", "RGB", AovSum::kVariance, LightPart::kChange,
+           "of one sample of the difference"),
+    OfPart("difference-half", "RGB", AovSum::kHalf, LightPart::kChange,
+           "the difference of half of the samples"),
+    OfPart("difference-half-variance", "RGB", AovSum::kHalfVariance, LightPart::kChange,
+           "of one sample of that half"),
     {.name = "crypto-object",
      .channels = "RGBA",
      .sum = AovSum::kMatte,
@@ -225,11 +255,17 @@ AovSet AllAovs() {
 }
 
 AovSet AovsOf(AovSum sum) {
-  return Those([&](const Aov& aov) { return aov.sum == sum; });
+  return Those([&](const Aov& aov) { return aov.sum == sum && !aov.part; });
 }
 
 AovSet CatcherAovs() {
-  return Those([](const Aov& aov) { return aov.of_composites && aov.sum != AovSum::kBackdrop; });
+  return Those([](const Aov& aov) {
+    return aov.of_composites && aov.sum != AovSum::kBackdrop && !aov.part;
+  });
+}
+
+AovSet PartAovs() {
+  return Those([](const Aov& aov) { return aov.part.has_value(); });
 }
 
 std::optional<AovSet> ParseAovs(std::string_view names) {

@@ -15,6 +15,7 @@
 #include "scene/geometry.h"
 #include "wavefront/film/flow.h"
 #include "wavefront/film/hidden_objects.h"
+#include "wavefront/film/light_parts.h"
 #include "wavefront/film/mattes.h"
 
 namespace skywave {
@@ -38,6 +39,7 @@ enum class AovSum {
   kDifference,  // the same, subtracted
   kForeground,  // the beauty without what is behind it
   kBackdrop,    // what is behind it: a map on the ground and on a dome (LightPart::kBackdrop)
+  kPart,        // a part of the light, and the share of the pixel where it is seen
   kMatte        // ids of first surfaces and their shares (wavefront/film/mattes.h)
 };
 
@@ -68,6 +70,7 @@ struct Aov {
   AovRange range = AovRange::kUnit;
   float background = 0;        // value where nothing was hit
   bool of_composites = false;  // kept for catchers and transparent backgrounds, and not in "all"
+  std::optional<LightPart> part = std::nullopt;  // whose sum it is; none: that of the beauty
   MatteOf matte = MatteOf::kObjects;  // what a matte is of; mattes are not in "all" either
   bool of_motion = false;             // needs the frames beside that of the picture; not in "all"
   bool traces = false;                // rays of its own; not in "all"
@@ -81,10 +84,12 @@ using AovSet = std::uint64_t;
 
 // Returns all lines of the table but mattes and those of composites, of motion and of more rays.
 AovSet AllAovs();
-// Returns the lines that sum like that.
+// Returns the lines that sum the beauty like that.
 AovSet AovsOf(AovSum sum);
-// Returns those of catchers, alpha among them.
+// Returns those that pictures with catchers have, alpha among them.
 AovSet CatcherAovs();
+// Returns those of the parts of their light, and of the noise of these.
+AovSet PartAovs();
 // Parses names separated by commas. "all" is all of them, "denoiser" those that a denoiser reads.
 std::optional<AovSet> ParseAovs(std::string_view names);
 // Returns the names, separated by commas.
@@ -110,7 +115,7 @@ void ForEachChannel(AovSet aovs, std::size_t light_groups, F f) {
 }
 // Returns how many channels these layers have.
 std::size_t ChannelCount(AovSet aovs, std::size_t light_groups);
-// True if any line of `aovs` sums like that.
+// True if any line of `aovs` sums the beauty like that.
 bool Sums(AovSet aovs, AovSum sum);
 // True if any line needs the frames beside that of the picture.
 bool NeedsMotion(AovSet aovs);

@@ -132,6 +132,7 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
     if (column.of_matte) return;
     auto& to = values_of(*this);
     const auto& from = values_of(other);
+    const bool has_signs = layout_.has_signs || column.has_signs;
     for (std::size_t plane = 0; plane < column.planes; ++plane) {
       const auto add = [&](std::size_t to_pixel, std::size_t from_pixel, std::size_t n) {
         auto* const sums = &to[(plane * pixels + to_pixel) * column.per_pixel];
@@ -139,8 +140,7 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
         for (std::size_t i = 0; i < n * column.per_pixel; ++i) {
           if (!column.of_nearest) {
             if constexpr (!std::is_same_v<decltype(more), const float* const>) {
-              sums[i] =
-                  layout_.has_signs ? CombinedSigned(sums[i], more[i]) : Combined(sums[i], more[i]);
+              sums[i] = has_signs ? CombinedSigned(sums[i], more[i]) : Combined(sums[i], more[i]);
             }
           } else if (const std::size_t pixel = i / column.per_pixel;
                      other.aovs_->nearest()[from_pixel + pixel] <

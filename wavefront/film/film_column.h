@@ -31,10 +31,12 @@ class SampleCounts {
 // A column has `per_pixel` values of each pixel, row by row, in each of `planes` planes that follow
 // each other. Those of the sample nearest to a pixel's centre are not summed: the sample with the
 // smaller key wins. A column that starts filled is not zeros at first, so its memory is in use from
-// the beginning on (wavefront/film/film_memory.h). Those of a matte are added by AddToMatte.
+// the beginning on (wavefront/film/film_memory.h). Those of a matte are added by AddToMatte. Sums
+// may have signs where those of the film have none.
 struct FilmColumn {
   std::size_t per_pixel = 1, planes = 1;
   bool of_nearest = false, starts_filled = false, of_matte = false;
+  bool has_signs = false;
 };
 
 // Calls f(to, from, n) for each row of n pixels of the window `from` of a film, which begins at

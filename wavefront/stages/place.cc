@@ -13,15 +13,16 @@ const PlaceTables* Watched(const FrameView& frame, const Worker& w) {
   return w.tables.find<PlaceTables>();
 }
 
-// Gives the radiance of those of paths [0, n) for which is(row) is true to a part of the light.
-template <class Is>
-void KeepPart(LightPart part, const PathColumns& paths, std::uint32_t n,
-              const RadianceColumns& kept, const Is& is, Film& film) {
+// Gives `light` of those of paths [0, n) that see `what` to a part of the light, and nothing of the
+// others.
+void KeepPart(LightPart part, std::uint32_t what, const RadianceColumns& light,
+              const PathColumns& paths, std::uint32_t n, const PlaceTables& tables, Film& film) {
+  const RadianceColumns& kept = tables.part;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const bool counts = is(i);
-    kept.r[i] = counts ? paths.r[i] : 0;
-    kept.g[i] = counts ? paths.g[i] : 0;
-    kept.b[i] = counts ? paths.b[i] : 0;
+    const bool counts = (tables.paths->met[i] & what) != 0;
+    kept.r[i] = counts ? light.r[i] : 0;
+    kept.g[i] = counts ? light.g[i] : 0;
+    kept.b[i] = counts ? light.b[i] : 0;
   }
   PathColumns of_part = paths;
   of_part.r = kept.r, of_part.g = kept.g, of_part.b = kept.b;
@@ -98,14 +99,11 @@ void KeepLightParts(const FrameView& frame, std::uint32_t n, const Worker& w, Fi
   const PlaceTables* const tables = Watched(frame, w);
   if (tables == nullptr) return;
   const PlaceColumns& with = tables->paths;
-  const auto sees = [&](std::uint32_t bit) {
-    return [&with, bit](std::uint32_t i) { return (with.met[i] & bit) != 0; };
-  };
-  KeepPart(LightPart::kForeground, w.paths, n, tables->part, sees(kSeesObject), film);
-  KeepPart(LightPart::kCaught, w.paths, n, tables->part, sees(kSeesCatcher), film);
-  std::copy_n(w.paths->r, n, with.r);
-  std::copy_n(w.paths->g, n, with.g);
-  std::copy_n(w.paths->b, n, with.b);
+  const PathColumns& paths = w.paths;
+  KeepPart(LightPart::kObjects, kSeesObject, {paths.r, paths.g, paths.b}, paths, n, *tables, film);
+  std::copy_n(paths.r, n, with.r);
+  std::copy_n(paths.g, n, with.g);
+  std::copy_n(paths.b, n, with.b);
 }
 
 std::uint32_t ReturnToPlace(const FrameView& place, const WaveRange& range, Worker& w) {
@@ -122,12 +120,13 @@ void KeepPlace(const FrameView& place, std::uint32_t n, const Worker& w, Film& f
   WeighByFilter(place, n, w);
   const PathColumns& paths = w.paths;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if ((with.met[i] & kObjectsMatter) != 0) continue;
-    paths.r[i] = with.r[i], paths.g[i] = with.g[i], paths.b[i] = with.b[i];
+    const bool same = (with.met[i] & kObjectsMatter) == 0;
+    if (same) paths.r[i] = with.r[i], paths.g[i] = with.g[i], paths.b[i] = with.b[i];
+    with.r[i] -= paths.r[i], with.g[i] -= paths.g[i], with.b[i] -= paths.b[i];
   }
-  KeepPart(
-      LightPart::kClean, paths, n, tables.part,
-      [&](std::uint32_t i) { return (with.met[i] & kSeesCatcher) != 0; }, film);
+  const RadianceColumns clean = {paths.r, paths.g, paths.b}, change = {with.r, with.g, with.b};
+  KeepPart(LightPart::kClean, kSeesCatcher, clean, paths, n, tables, film);
+  KeepPart(LightPart::kChange, kSeesCatcher, change, paths, n, tables, film);
 }
 
 }  // namespace skywave

@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kObjectsMatter = 4;  // the path may be another w
 struct PlaceColumns {
   std::uint32_t* met;
   std::uint32_t* open;  // by surface: whether its current shadow ray is traced
-  float *r, *g, *b;     // radiance with the objects
+  float *r, *g, *b;     // radiance with the objects, and what they change at last
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -59,15 +59,15 @@ void AfterShadows(const FrameView& frame, const Worker& w);
 // with objects.
 void SeeObjectLamps(const FrameView& frame, const LightReach& reach, const Worker& w);
 
-// Gives the film the light of objects and catchers of paths [0, n), which are weighted by the
-// filter and have all their radiance.
+// Gives the film the light of objects of paths [0, n), which are weighted by the filter and have
+// all their radiance, and keeps that of catchers.
 void KeepLightParts(const FrameView& frame, std::uint32_t n, const Worker& w, Film& film);
 
 // Starts the paths of a wave anew and leaves in w.rays[0] the camera rays of those that see
 // catchers and may be others without objects; returns their number.
 std::uint32_t ReturnToPlace(const FrameView& place, const WaveRange& range, Worker& w);
 
-// Gives the film the light of catchers without the objects.
+// Gives the film the light of catchers without the objects, and what these change of it.
 void KeepPlace(const FrameView& place, std::uint32_t n, const Worker& w, Film& film);
 
 // Renders the place of a wave whose paths with objects are in the film: follow(place, n) follows
