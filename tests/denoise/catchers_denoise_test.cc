@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "job/denoise/catchers.h"
 #include "job/denoise/denoise.h"
+#include "job/denoise/input.h"
 #include "tests/support/film_layers.h"
 #include "tests/support/render_scenes.h"
 
@@ -153,6 +154,21 @@ TEST(CatchersDenoised, LayersGoTogether) {
   EXPECT_GT(of_catchers, kSide * kSide / 2);
 }
 
+TEST(CatchersDenoised, ObjectsTakeNoMoreLightThanThereIs) {
+  Rendered clean = Render(FloorScene(true), Request(8));
+  for (NamedChannel& layer : clean.layers) {
+    if (!layer.name.starts_with("difference.")) continue;
+    for (float& value : layer.values) value *= 3;
+  }
+  Clean(clean);
+  int black = 0;
+  for (const float shadow : clean.at("shadow.G")) {
+    EXPECT_GE(shadow, 0);
+    black += shadow == 0;
+  }
+  EXPECT_GT(black, 50);
+}
+
 TEST(CatchersDenoised, ObjectsThatChangeNothingLeaveNoTrace) {
   Rendered clean = Render(FloorScene(false), Request(8));
   const Image noisy = clean.image;
@@ -196,6 +212,18 @@ TEST(CatchersDenoised, PartsOfAPictureAddUp) {
   RenderFrame(frame, second);
   first.Merge(second);
   EXPECT_EQ(ByName(first.ResolveAovs(16)), ByName(whole.ResolveAovs(16)));
+}
+
+// A part ends where others hide it: that is an edge, and outliers are not spread beyond it.
+TEST(CatchersDenoised, PartsAreSeenInTheirShareOfAPixel) {
+  const Rendered noisy = Render(FloorScene(true), Request(8));
+  const DenoiserInput input =
+      FindInput("noisy.exr", noisy.image, noisy.layers, {"objects-", "objects.A"});
+  EXPECT_EQ(input.coverage.data(), noisy.at("objects.A").data());
+  EXPECT_EQ(input.variance[1].data(), noisy.at("objects-variance.G").data());
+  const DenoiserInput whole = FindInput("noisy.exr", noisy.image, noisy.layers);
+  EXPECT_EQ(whole.coverage.data(), noisy.at("coverage.V").data());
+  EXPECT_EQ(whole.half[2].data(), noisy.at("half.B").data());
 }
 
 TEST(CatchersDenoised, PicturesWithoutThePartsAreRefused) {
