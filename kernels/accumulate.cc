@@ -126,6 +126,22 @@ HWY_INLINE void CountMisfits(V3 rgb, MF inside, const FilmScale& scale, FilmCoun
   counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
 }
 
+// Calls f(pixel, for_each_row) for each run of rows [0, n) that are of one pixel; for_each_row(g)
+// calls g(row) for these. The beams of a block follow each other, so what f adds up in registers is
+// added to memory once.
+template <class F>
+HWY_INLINE void ForEachPixelRun(const std::uint32_t* pixels, std::uint32_t n, const F& f) {
+  for (std::uint32_t ray = 0; ray < kBeamRays; ++ray) {
+    std::uint32_t row = ray;
+    while (row < n) {
+      const std::uint32_t pixel = pixels[row];
+      f(pixel, [&](const auto& g) {
+        for (; row < n && pixels[row] == pixel; row += kBeamRays) g(row);
+      });
+    }
+  }
+}
+
 template <bool kShared, bool kHasSigns = false>
 FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums) {
@@ -140,28 +156,22 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
       CountMisfits<kHasSigns>(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
       ToUnits<kHasSigns>(rgb, scale, units, at);
     }
-    // The beams of a block follow each other, so the samples of a pixel are summed before the
-    // memory is touched.
-    const std::uint32_t* const pixels = paths.pixel + begin;
-    for (std::uint32_t ray = 0; ray < kBeamRays; ++ray) {
-      for (std::uint32_t row = ray; row < rows;) {
-        const std::uint32_t pixel = pixels[row];
-        std::uint64_t r = 0, g = 0, b = 0;  // at most kUnitRows * 2^52
-        for (; row < rows && pixels[row] == pixel; row += kBeamRays) {
-          r += units.rgb[0][row], g += units.rgb[1][row], b += units.rgb[2][row];
-        }
-        std::uint64_t* sum = sums + std::size_t(pixel) * 3;
-        if constexpr (kShared) {
-          AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
-        } else if constexpr (kHasSigns) {
-          sum[0] += r, sum[1] += g, sum[2] += b;
-        } else {
-          sum[0] = SaturatingSum(sum[0], r);
-          sum[1] = SaturatingSum(sum[1], g);
-          sum[2] = SaturatingSum(sum[2], b);
-        }
+    ForEachPixelRun(paths.pixel + begin, rows, [&](std::uint32_t pixel, const auto& for_each_row) {
+      std::uint64_t r = 0, g = 0, b = 0;  // at most kUnitRows * 2^52
+      for_each_row([&](std::uint32_t row) {
+        r += units.rgb[0][row], g += units.rgb[1][row], b += units.rgb[2][row];
+      });
+      std::uint64_t* sum = sums + std::size_t(pixel) * 3;
+      if constexpr (kShared) {
+        AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
+      } else if constexpr (kHasSigns) {
+        sum[0] += r, sum[1] += g, sum[2] += b;
+      } else {
+        sum[0] = SaturatingSum(sum[0], r);
+        sum[1] = SaturatingSum(sum[1], g);
+        sum[2] = SaturatingSum(sum[2], b);
       }
-    }
+    });
   }
   return counts;
 }
@@ -192,55 +202,60 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
   return counts;
 }
 
-template <bool kHasSigns>
-HWY_INLINE void AddSquare(std::uint64_t units, Uint128& sum) {
-  if (kHasSigns && std::int64_t(units) < 0) units = -units;
-  sum = SaturatingSum(sum, Uint128{units} * units);
-}
+// What the rows of a run bring to the moments of their pixel.
+struct RunMoments {
+  std::uint32_t in_second_half = 0;
+  Uint128 squares[3] = {}, half_squares[3] = {};  // at most kUnitRows * 2^104
+  std::uint64_t half[3] = {};
 
-template <bool kHasSigns>
-void AddSquares(const PathColumns& paths, std::uint32_t n, const FilmScale& scale, Uint128* sums) {
-  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
-  RowUnits units;
-  for (std::uint32_t i = 0; i < n; i += lanes) {
-    ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
-    for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        AddSquare<kHasSigns>(units.rgb[c][lane], sums[std::size_t(paths.pixel[i + lane]) * 3 + c]);
-      }
+  template <bool kHasSigns>
+  HWY_INLINE void Add(const RowUnits& units, std::uint32_t row, bool is_second) {
+    in_second_half += is_second;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint64_t value = units.rgb[c][row];
+      const std::uint64_t magnitude = kHasSigns && std::int64_t(value) < 0 ? -value : value;
+      const Uint128 square = Uint128{magnitude} * magnitude;
+      squares[c] += square;
+      half[c] += is_second ? value : 0;
+      half_squares[c] += is_second ? square : 0;
     }
   }
-}
-void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                      Uint128* sums) {
-  if (scale.has_signs) return AddSquares<true>(paths, n, scale, sums);
-  AddSquares<false>(paths, n, scale, sums);
-}
+};
 
 template <bool kHasSigns>
-void AddHalf(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-             const HalfSums& half) {
+void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                const MomentSums& sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   RowUnits units;
-  for (std::uint32_t i = 0; i < n; i += lanes) {
-    ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
-    for (std::uint32_t row = i; row < std::min(i + lanes, n); ++row) {
-      if (!IsInSecondHalf(paths.sample[row])) continue;
-      const std::size_t pixel = paths.pixel[row];
-      if (half.samples != nullptr) ++half.samples[pixel];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint64_t value = units.rgb[c][row - i];
-        std::uint64_t& sum = half.sums[3 * pixel + c];
-        sum = kHasSigns ? sum + value : SaturatingSum(sum, value);
-        AddSquare<kHasSigns>(value, half.squares[3 * pixel + c]);
-      }
+  for (std::uint32_t begin = 0; begin < n; begin += kUnitRows) {
+    const std::uint32_t rows = std::min(kUnitRows, n - begin);
+    for (std::uint32_t at = 0; at < rows; at += lanes) {
+      const std::uint32_t i = begin + at;
+      ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units, at);
     }
+    ForEachPixelRun(paths.pixel + begin, rows, [&](std::uint32_t pixel, const auto& for_each_row) {
+      RunMoments run;
+      for_each_row([&](std::uint32_t row) {
+        run.Add<kHasSigns>(units, row, IsInSecondHalf(paths.sample[begin + row]));
+      });
+      const std::size_t at = std::size_t(pixel) * 3;
+      if (sums.half_samples != nullptr) sums.half_samples[pixel] += run.in_second_half;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (sums.squares != nullptr) {
+          sums.squares[at + c] = SaturatingSum(sums.squares[at + c], run.squares[c]);
+        }
+        if (sums.half == nullptr) continue;
+        std::uint64_t& half = sums.half[at + c];
+        half = kHasSigns ? half + run.half[c] : SaturatingSum(half, run.half[c]);
+        sums.half_squares[at + c] = SaturatingSum(sums.half_squares[at + c], run.half_squares[c]);
+      }
+    });
   }
 }
-void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                   const HalfSums& half) {
-  if (scale.has_signs) return AddHalf<true>(paths, n, scale, half);
-  AddHalf<false>(paths, n, scale, half);
+void AddMomentsToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      const MomentSums& sums) {
+  if (scale.has_signs) return AddMoments<true>(paths, n, scale, sums);
+  AddMoments<false>(paths, n, scale, sums);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -255,8 +270,7 @@ HWY_EXPORT(AddUnoccludedRadiance);
 HWY_EXPORT(SubtractControl);
 HWY_EXPORT(AddToFilm);
 HWY_EXPORT(AddSplatsToFilm);
-HWY_EXPORT(AddSquaresToFilm);
-HWY_EXPORT(AddHalfToFilm);
+HWY_EXPORT(AddMomentsToFilm);
 
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
                         const PathColumns& paths) {
@@ -280,13 +294,9 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
   return HWY_DYNAMIC_DISPATCH(AddSplatsToFilm)(splats, pixel, n, factor, scale, sums);
 }
 
-void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                      Uint128* sums) {
-  HWY_DYNAMIC_DISPATCH(AddSquaresToFilm)(paths, n, scale, sums);
-}
-void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                   const HalfSums& half) {
-  HWY_DYNAMIC_DISPATCH(AddHalfToFilm)(paths, n, scale, half);
+void AddMomentsToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      const MomentSums& sums) {
+  HWY_DYNAMIC_DISPATCH(AddMomentsToFilm)(paths, n, scale, sums);
 }
 
 }  // namespace skywave

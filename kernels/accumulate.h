@@ -52,10 +52,6 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
 // The square of a sample of 2^52 units has 104 bits.
 using Uint128 = unsigned __int128;
 
-// Adds the squares of the units that AddToFilm adds: three exact sums per pixel.
-void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                      Uint128* sums);
-
 // The samples of a pixel have two halves, which a denoiser compares: blocks of four samples, which
 // are stratified among themselves, are dealt in the order of Thue and Morse. The first eight are
 // dealt by pairs, so that any 4 * 2^k first samples have equal halves.
@@ -64,16 +60,16 @@ inline bool IsInSecondHalf(std::uint32_t sample) {
   return (std::popcount(block) & 1) != 0;
 }
 
-// Sums of the second halves: their number by pixel, which null does not count, and their units and
-// squares, three per pixel.
-struct HalfSums {
-  std::uint32_t* samples;
-  std::uint64_t* sums;
-  Uint128* squares;
+// Sums from which noise is estimated, three per pixel but for numbers; null if not kept.
+struct MomentSums {
+  Uint128* squares;             // of the units of all samples, exact
+  std::uint32_t* half_samples;  // the number of samples in second halves
+  std::uint64_t* half;          // their units
+  Uint128* half_squares;        // kept if `half` is
 };
-// Adds what AddToFilm and AddSquaresToFilm add for those of rows [0, n) that are in second halves.
-void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                   const HalfSums& half);
+// Adds rows [0, n) of `paths`, in the units that AddToFilm adds, to those that are kept.
+void AddMomentsToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      const MomentSums& sums);
 
 // Adds integers and stays at the largest number; the order does not matter, as nothing is
 // subtracted.

@@ -66,9 +66,14 @@ void ResizeHalf(std::size_t pixels, SampleMoments& moments) {
 // of all kinds of light, so one of them counts.
 void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                 std::uint32_t* half_samples, SampleMoments& moments) {
-  if (!moments.squares.empty()) AddSquaresToFilm(paths, n, scale, moments.squares.data());
-  if (moments.half.empty()) return;
-  AddHalfToFilm(paths, n, scale, {half_samples, moments.half.data(), moments.half_squares.data()});
+  if (moments.squares.empty() && moments.half.empty()) return;
+  const auto kept = [](auto& sums) { return sums.empty() ? nullptr : sums.data(); };
+  const bool counts = half_samples != nullptr && !moments.half.empty();
+  AddMomentsToFilm(paths, n, scale,
+                   {.squares = kept(moments.squares),
+                    .half_samples = counts ? half_samples : nullptr,
+                    .half = kept(moments.half),
+                    .half_squares = kept(moments.half_squares)});
 }
 
 float ToFloat(double value) {
