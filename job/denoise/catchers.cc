@@ -83,7 +83,8 @@ CleanCatchers DenoiseCatchers(Denoiser by, const std::string& name, int width, i
     for (std::size_t c = 0; c < 3 && of_catchers[pixel] > 0; ++c) {
       light.clean[c] = double(place.image.rgb[3 * pixel + c]);
       // Objects take no more than there is; the errors of both may say so.
-      light.change[c] = std::max(double(change.image.rgb[3 * pixel + c]), -light.clean[c]);
+      light.change[c] =
+          std::max(double(change.image.rgb[3 * pixel + c]), -std::max(light.clean[c], 0.0));
     }
     const double kept = KeptShare(light);
     result.alpha[pixel] =

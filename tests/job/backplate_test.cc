@@ -123,7 +123,7 @@ TEST_F(Photographs, BehindACropAreThoseOfItsPixels) {
   const ExposureRequest exposure = {.exposure = ExposureChoice{.stops = 0}};
   const Picture whole = Render("plate.png", exposure);
   const Picture part = Render("plate.png", exposure, CropWindow{5, 2, 11, 9});
-  const std::vector<float>&all = Layer(whole, "composite.R"), &some = Layer(part, "composite.R");
+  const std::vector<float> all = Layer(whole, "composite.R"), some = Layer(part, "composite.R");
   for (int y = 0; y < 9; ++y) {
     for (int x = 0; x < 11; ++x) {
       ASSERT_EQ(some[std::size_t(11 * y + x)], all[std::size_t(kWidth * (y + 2) + x + 5)]);
