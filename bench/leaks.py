@@ -39,7 +39,7 @@ def write_room(path):
                 for i in range(CELLS + 1):
                     place = [end, end, end]
                     inside = 0 < i < CELLS and 0 < j < CELLS
-                    for k, (number, of) in enumerate(((i, (axis + 1) % 3), (j, (axis + 2) % 3))):
+                    for number, of in ((i, (axis + 1) % 3), (j, (axis + 2) % 3)):
                         jitter = draw.uniform(-0.3, 0.3) if inside else 0
                         place[of] = 2 * (number + jitter) / CELLS - 1
                     corners.append(place)
@@ -88,7 +88,7 @@ def count(args, isa, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", default="build/release/skywave")
-    parser.add_argument("--rays", type=float, default=1e9, help="at least so many")
+    parser.add_argument("--rays", type=float, default=1e9, help="about so many")
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--isa", nargs="+", default=["avx2", "avx512"])
     args = parser.parse_args()

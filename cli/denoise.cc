@@ -49,12 +49,6 @@ struct NoisyPicture {
   Metadata metadata;
 };
 
-// Returns the channels of a picture with catchers that it may have, in addition to those that it
-// has to have: the alpha and the foreground are that of the file unless it shows its background.
-std::vector<std::string> ChannelsBesideBackground() {
-  return ChannelsOf(AovsOf(AovSum::kAlpha) | AovsOf(AovSum::kForeground));
-}
-
 // Returns the names of the layers that are read of a picture: those of the denoiser, and others
 // that it may have.
 std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFlags& flags) {
@@ -79,7 +73,10 @@ std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFla
   std::vector<std::string> others = flags.steady > 0 ? FlowChannels() : std::vector<std::string>();
   others.emplace_back(kAlpha);
   if (shows_catchers) {
-    for (std::string& other : ChannelsBesideBackground()) others.push_back(std::move(other));
+    // A picture that shows its background has alpha and foreground as layers.
+    for (std::string& other : ChannelsOf(CatcherAovs() & ~of_catchers)) {
+      others.push_back(std::move(other));
+    }
   }
   for (std::string& other : others) {
     if (has(other)) wanted.push_back(std::move(other));

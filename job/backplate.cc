@@ -66,6 +66,10 @@ Image Scaled(const Image& image, int width, int height) {
 
 Backplate ReadBackplate(const std::string& path, int width, int height, RgbSpace space) {
   Backplate plate = {.image = {}, .of_screen = IsOfScreen(path), .note = ""};
+  if (IsRgba(path)) {
+    const std::vector<float> alpha = ReadTexture(path, Encoding::kAlpha).rgb;
+    plate.has_alpha = std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
+  }
   plate.image = plate.of_screen ? ReadTexture(path, Encoding::kSrgb) : ReadImage(path);
   ConvertColors(FromRec709(space), plate.image);
   const Image& image = plate.image;

@@ -13,6 +13,7 @@ struct Backplate {
   Image image;             // of a whole film, linear
   bool of_screen = false;  // it was made for screens: its colours are those of a PNG
   std::string note;        // how it was fitted; empty: its size is that of the film
+  bool has_alpha = false;  // it is not opaque, which is left out
 };
 
 // Reads a photograph and fits it to a film: it is scaled until it covers the film, and what is left

@@ -238,6 +238,13 @@ void RenderJob::PlanComposites(const Scene& scene) {
     }
     const Backplate plate = ReadBackplate(request_.backplate, *request_.width, *request_.height);
     if (!plate.note.empty()) notes_.push_back(plate.note);
+    if (plate.has_alpha) {
+      Warnings found = MakeWarnings(request_.read);
+      AddWarning(found, InputPosition::File(request_.backplate),
+                 "the alpha of the photograph is left out: it is taken for opaque, with the "
+                 "colours that it has where it is not");
+      warnings_.push_back(WarningLines(found).front());
+    }
   }
   layers |= PlanProjection(request_, HasCatchers(scene));
   PlanLinks(request_, HasCatchers(scene));

@@ -208,7 +208,7 @@ struct RunMoments {
   Uint128 squares[3] = {}, half_squares[3] = {};  // at most kUnitRows * 2^104
   std::uint64_t half[3] = {};
 
-  template <bool kHasSigns>
+  template <bool kHasSigns, bool kHalves>
   HWY_INLINE void Add(const RowUnits& units, std::uint32_t row, bool is_second) {
     in_second_half += is_second;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -216,13 +216,14 @@ struct RunMoments {
       const std::uint64_t magnitude = kHasSigns && std::int64_t(value) < 0 ? -value : value;
       const Uint128 square = Uint128{magnitude} * magnitude;
       squares[c] += square;
+      if constexpr (!kHalves) continue;
       half[c] += is_second ? value : 0;
       half_squares[c] += is_second ? square : 0;
     }
   }
 };
 
-template <bool kHasSigns>
+template <bool kHasSigns, bool kHalves>
 void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                 const MomentSums& sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
@@ -236,7 +237,8 @@ void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scal
     ForEachPixelRun(paths.pixel + begin, rows, [&](std::uint32_t pixel, const auto& for_each_row) {
       RunMoments run;
       for_each_row([&](std::uint32_t row) {
-        run.Add<kHasSigns>(units, row, IsInSecondHalf(paths.sample[begin + row]));
+        const bool is_second = kHalves && IsInSecondHalf(paths.sample[begin + row]);
+        run.Add<kHasSigns, kHalves>(units, row, is_second);
       });
       const std::size_t at = std::size_t(pixel) * 3;
       if (sums.half_samples != nullptr) sums.half_samples[pixel] += run.in_second_half;
@@ -244,7 +246,7 @@ void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scal
         if (sums.squares != nullptr) {
           sums.squares[at + c] = SaturatingSum(sums.squares[at + c], run.squares[c]);
         }
-        if (sums.half == nullptr) continue;
+        if constexpr (!kHalves) continue;
         std::uint64_t& half = sums.half[at + c];
         half = kHasSigns ? half + run.half[c] : SaturatingSum(half, run.half[c]);
         sums.half_squares[at + c] = SaturatingSum(sums.half_squares[at + c], run.half_squares[c]);
@@ -254,8 +256,12 @@ void AddMoments(const PathColumns& paths, std::uint32_t n, const FilmScale& scal
 }
 void AddMomentsToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                       const MomentSums& sums) {
-  if (scale.has_signs) return AddMoments<true>(paths, n, scale, sums);
-  AddMoments<false>(paths, n, scale, sums);
+  if (sums.half == nullptr) {
+    if (scale.has_signs) return AddMoments<true, false>(paths, n, scale, sums);
+    return AddMoments<false, false>(paths, n, scale, sums);
+  }
+  if (scale.has_signs) return AddMoments<true, true>(paths, n, scale, sums);
+  AddMoments<false, true>(paths, n, scale, sums);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -82,7 +82,7 @@ CleanCatchers DenoiseCatchers(Denoiser by, const std::string& name, int width, i
     CaughtLight light = {};
     for (std::size_t c = 0; c < 3 && of_catchers[pixel] > 0; ++c) {
       light.clean[c] = double(place.image.rgb[3 * pixel + c]);
-      // Objects take no more than there is; the errors of both may say so.
+      // Objects take no more than there is, though the errors of both may say otherwise.
       light.change[c] =
           std::max(double(change.image.rgb[3 * pixel + c]), -std::max(light.clean[c], 0.0));
     }

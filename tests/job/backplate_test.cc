@@ -176,6 +176,24 @@ TEST_F(Photographs, AreScaledToCoverTheFilm) {
   EXPECT_EQ(same.image.Pixel(0, 0)[0], 0.5f - kWidth / 2);
 }
 
+TEST_F(Photographs, ThatAreNotOpaqueAreWarnedOf) {
+  const std::vector<std::uint8_t> colors(std::size_t(kWidth) * kHeight * 3, 128);
+  std::vector<std::uint8_t> alpha(std::size_t(kWidth) * kHeight, 255);
+  JobRequest request = SmallRequest(kWidth, kHeight, 1);
+  request.backplate = folder_.Path("alpha.png");
+  folder_.Write("alpha.png", EncodePng(kWidth, kHeight, colors, alpha));
+  EXPECT_TRUE(RenderJob(BuiltinScene("spheres"), request).warnings().empty());
+  alpha[7] = 254;
+  folder_.Write("alpha.png", EncodePng(kWidth, kHeight, colors, alpha));
+  const std::vector<std::string> warnings = RenderJob(BuiltinScene("spheres"), request).warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("alpha.png: the alpha of the photograph is left out"),
+            std::string::npos)
+      << warnings[0];
+  request.read.strict = true;
+  EXPECT_THROW(RenderJob(BuiltinScene("spheres"), request), InputError);
+}
+
 TEST_F(Photographs, ThatCannotBeReadAreRefusedBeforeTheFirstRay) {
   JobRequest request = SmallRequest(8, 8, 1);
   request.backplate = folder_.Path("missing.png");

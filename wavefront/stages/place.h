@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kObjectsMatter = 4;  // the path may be another w
 struct PlaceColumns {
   std::uint32_t* met;
   std::uint32_t* open;  // by surface: whether its current shadow ray is traced
-  float *r, *g, *b;     // radiance with the objects, and what they change at last
+  float *r, *g, *b;     // radiance with the objects; at the end, what they change
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
