@@ -17,6 +17,7 @@
 #include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "image/exif.h"
+#include "job/options.h"
 #include "lights/probe/exposures.h"
 
 namespace skywave {
@@ -26,6 +27,8 @@ struct AssembleFlags {
   std::vector<std::string> photographs, times;
   std::string output;
   bool align = true;
+  std::optional<CropWindow> crop;
+  ResponseMethod response = ResponseMethod::kDebevec;
   ReadLimits limits;
 };
 
@@ -82,6 +85,23 @@ std::vector<double> TimesOfCameras(const AssembleFlags& flags) {
   return times;
 }
 
+Image Cropped(const Image& image, const CropWindow& window) {
+  const auto within = [](int at, int size, int whole) {
+    return at >= 0 && size > 0 && size <= whole && at <= whole - size;
+  };
+  if (!within(window.x, window.width, image.width) ||
+      !within(window.y, window.height, image.height)) {
+    throw OptionError("crop", Crops().print(window),
+                      fmt::format("is not within {} x {}", image.width, image.height));
+  }
+  Image part(window.width, window.height);
+  for (int y = 0; y < window.height; ++y) {
+    std::copy_n(image.Pixel(window.x, window.y + y), std::size_t(3) * std::size_t(window.width),
+                part.Pixel(0, y));
+  }
+  return part;
+}
+
 int AssembleMain(const AssembleFlags& flags) {
   CheckOutputs(std::array{flags.output}, flags.photographs);
   const std::vector<double> times = flags.times.empty() ? TimesOfCameras(flags) : GivenTimes(flags);
@@ -95,7 +115,8 @@ int AssembleMain(const AssembleFlags& flags) {
                          .coded = coded,
                          .exposure = times[i]});
   }
-  const AssembledExposures made = AssembleExposures(std::move(exposures), flags.align);
+  AssembledExposures made = AssembleExposures(std::move(exposures), flags.align, flags.response);
+  if (flags.crop) made.image = Cropped(made.image, *flags.crop);
   WriteImage(flags.output, made.image);
   for (std::size_t i = 0; i < times.size(); ++i) {
     Print(stdout, "{}  exposure {:.4g}  shift {} {}\n", flags.photographs[i], times[i],
@@ -129,6 +150,8 @@ std::vector<OptionOf<AssembleFlags>> AssembleOptions() {
     option({.name = "photographs", .help = "of one view at several exposures: JPEG or PNG of 8 bits, whose response is found, or EXR, HDR or PFM in proportion to the light", .scope = OptionScope::kInput, .metavar = "IMG ...", .positional = true, .required = true, .most_values = 1000}, FIELD(photographs), Texts("IMG")),
     option({.name = "times", .help = "exposures, as 1/4000 or 0.25 [s], in the order of the photographs", .scope = OptionScope::kInput, .default_text = "those that cameras write into JPEGs", .metavar = "T,T,...", .most_values = 1000, .delimiter = ','}, FIELD(times), Texts("T,T,...")),
     option({.name = "align", .help = "move photographs over each other; without: they stay, as from a tripod"}, FIELD(align), Switches()),
+    option({.name = "crop", .help = "write this part alone, such as the square that a mirror ball fills", .default_text = "all"}, FIELD(crop), Crops()),
+    option({.name = "response", .help = "what finds the response of the camera and the mean of exposures: least squares of logarithms (Debevec and Malik 1997), or the most likely light (Robertson et al. 2003)"}, FIELD(response), NamesOfEnum<ResponseMethod>()),
     option({.name = "output", .help = "EXR, HDR or PFM", .letter = 'o', .required = true}, FIELD(output), Texts("FILE")),
     option({.name = "trust-input", .help = "decode rare kinds of EXR in this process, not in a confined one"}, FIELD(limits.trust_input), Switches()),
   };
@@ -143,7 +166,7 @@ Command ProbeAssembleCommand() {
       {.name = "assemble",
        .summary = "A picture of radiance from photographs at several exposures",
        .footer = "Examples:\n"
-                 "  skywave probe assemble ball-*.jpg -o ball.exr\n"
+                 "  skywave probe assemble ball-*.jpg --crop 1200x1200+640+380 -o ball.exr\n"
                  "  skywave probe assemble a.png b.png c.png --times 1/250,1/15,1 -o view.exr\n"
                  "  skywave probe convert ball.exr sky.exr --projection mirror-ball --to latlong"},
       AssembleOptions(), AssembleMain);

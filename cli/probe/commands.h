@@ -35,5 +35,6 @@ Command ProbePresampleCommand();
 Command ProbePlotCommand();
 Command ProbeCalibrateCommand();
 Command ProbeAssembleCommand();
+Command ProbeJoinCommand();
 
 }  // namespace skywave

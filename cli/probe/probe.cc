@@ -90,7 +90,7 @@ Command ProbeCommand() {
           .summary = "Look at illumination maps, convert them, make lights",
           .children = {ProbeInfoCommand(), ProbeConvertCommand(), ProbeLightsCommand(),
                        ProbePresampleCommand(), ProbePlotCommand(), ProbeCalibrateCommand(),
-                       ProbeAssembleCommand()}};
+                       ProbeAssembleCommand(), ProbeJoinCommand()}};
 }
 
 }  // namespace skywave

@@ -4,25 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 #include "base/error.h"
 
 namespace skywave {
 namespace {
-
-constexpr int kCodes = 256;
-constexpr int kMiddle = 128;
-constexpr double kSmoothness = 20;        // lambda of equation 3,
-constexpr double kPixelsOfIt = 1000;      // for as many pixels
-constexpr std::size_t kMostUsed = 40000;  // pixels that find the response
-
-using Matrix = std::vector<double>;  // kCodes * kCodes, row-major
-
-// Equation 4: how much a code is worth, 0 for black and white.
-double Weight(int code) { return code < kMiddle ? code : kCodes - 1 - code; }
-
-int Code(float value) { return int(std::lround(std::clamp(value, 0.0f, 1.0f) * (kCodes - 1))); }
 
 // ---- Alignment: bitmaps of what is brighter than the median (Ward 2003) ----
 
@@ -84,8 +72,9 @@ std::array<int, 2> ShiftBetween(const Grey& fixed, const Grey& moved) {
     std::size_t compared = 0, different = 0;
     for (int y = std::max(0, -dy); y < std::min(fixed.height, fixed.height - dy); ++y) {
       for (int x = std::max(0, -dx); x < std::min(fixed.width, fixed.width - dx); ++x) {
-        const int p = a[std::size_t(y) * std::size_t(fixed.width) + std::size_t(x)];
-        const int q = b[std::size_t(y + dy) * std::size_t(fixed.width) + std::size_t(x + dx)];
+        const std::int8_t p = a[std::size_t(y) * std::size_t(fixed.width) + std::size_t(x)];
+        const std::int8_t q =
+            b[std::size_t(y + dy) * std::size_t(fixed.width) + std::size_t(x + dx)];
         compared += p * q != 0, different += p * q < 0;
       }
     }
@@ -109,113 +98,6 @@ std::vector<std::array<int, 2>> Shifts(const std::vector<Exposure>& exposures, b
   for (std::size_t i = middle; i + 1 < exposures.size(); ++i) follow(i, i + 1);
   for (std::size_t i = middle; i > 0; --i) follow(i, i - 1);
   return shift;
-}
-
-// ---- The response ----
-
-// Solves A x = b for a symmetric, positive definite A, which is overwritten (Cholesky).
-std::array<double, kCodes> Solve(Matrix& a, std::array<double, kCodes> b) {
-  const auto at = [&](int row, int column) -> double& {
-    return a[std::size_t(row) * kCodes + std::size_t(column)];
-  };
-  for (int j = 0; j < kCodes; ++j) {
-    for (int i = j; i < kCodes; ++i) {
-      double sum = at(i, j);
-      for (int k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
-      at(i, j) = i == j ? std::sqrt(sum) : sum / at(j, j);
-    }
-  }
-  for (int i = 0; i < kCodes; ++i) {
-    for (int k = 0; k < i; ++k) b[std::size_t(i)] -= at(i, k) * b[std::size_t(k)];
-    b[std::size_t(i)] /= at(i, i);
-  }
-  for (int i = kCodes - 1; i >= 0; --i) {
-    for (int k = i + 1; k < kCodes; ++k) b[std::size_t(i)] -= at(k, i) * b[std::size_t(k)];
-    b[std::size_t(i)] /= at(i, i);
-  }
-  return b;
-}
-
-// What codes say about the logarithm of the light is worth as much as it is exact: an error of a
-// code is one of g' there. 1 at the middle.
-std::array<double, kCodes> Worth(const std::array<double, kCodes>& g) {
-  const auto slope = [&](int z) {
-    return std::max(1e-6, (g[std::size_t(z + 1)] - g[std::size_t(z - 1)]) / 2);
-  };
-  std::array<double, kCodes> worth = {};
-  for (int z = 1; z + 1 < kCodes; ++z) {
-    worth[std::size_t(z)] = Weight(z) * std::min(1.0, slope(kMiddle) / slope(z));
-  }
-  return worth;
-}
-
-struct Stack {
-  const std::vector<Exposure>& exposures;
-  const std::vector<std::array<int, 2>>& shift;
-
-  // Returns the pixel of an exposure that shows (x, y) of the middle one; null: none does.
-  const float* Pixel(std::size_t exposure, int x, int y) const {
-    const Image& image = exposures[exposure].image;
-    x += shift[exposure][0], y += shift[exposure][1];
-    if (x < 0 || y < 0 || x >= image.width || y >= image.height) return nullptr;
-    return image.Pixel(x, y);
-  }
-};
-
-// Equation 3 for one channel. The ln E of a pixel that is best for a response is its weighted mean
-// of g(Z) - ln t; put back, it leaves equations of the 256 values of g alone, so every pixel can
-// take part.
-std::array<double, kCodes> FindResponse(const Stack& stack, int channel,
-                                        const std::array<double, kCodes>& worth) {
-  Matrix a(std::size_t(kCodes) * kCodes);
-  std::array<double, kCodes> b = {};
-  const auto at = [&](int row, int column) -> double& {
-    return a[std::size_t(row) * kCodes + std::size_t(column)];
-  };
-  const Image& first = stack.exposures[0].image;
-  const std::size_t pixels = first.rgb.size() / 3;
-  const std::size_t stride = (pixels + kMostUsed - 1) / kMostUsed;
-  const double scale = kPixelsOfIt / double((pixels + stride - 1) / stride);
-  struct Seen {
-    int code;
-    double weight, log_time;
-  };
-  std::vector<Seen> seen;
-  for (std::size_t i = 0; i < pixels; i += stride) {
-    seen.clear();
-    double weights = 0, mean_time = 0;
-    for (std::size_t j = 0; j < stack.exposures.size(); ++j) {
-      const float* pixel =
-          stack.Pixel(j, int(i % std::size_t(first.width)), int(i / std::size_t(first.width)));
-      if (pixel == nullptr) continue;
-      const int code = Code(pixel[channel]);
-      const double weight = worth[std::size_t(code)] * worth[std::size_t(code)] * scale;
-      if (weight <= 0) continue;
-      seen.push_back({code, weight, std::log(stack.exposures[j].exposure)});
-      weights += weight, mean_time += weight * seen.back().log_time;
-    }
-    if (seen.size() < 2) continue;
-    mean_time /= weights;
-    for (const Seen& p : seen) {
-      at(p.code, p.code) += p.weight;
-      b[std::size_t(p.code)] += p.weight * (p.log_time - mean_time);
-      for (const Seen& q : seen) at(p.code, q.code) -= p.weight * q.weight / weights;
-    }
-  }
-  constexpr double kSecond[] = {1, -2, 1};
-  for (int z = 1; z + 1 < kCodes; ++z) {
-    const double weight = kSmoothness * kSmoothness * Weight(z) * Weight(z);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) at(z - 1 + i, z - 1 + j) += weight * kSecond[i] * kSecond[j];
-    }
-  }
-  // The scale is free: g(128) = 0. The slope is too where no pixel is seen twice; a weak pull
-  // towards 0 leaves the equations one solution then.
-  double largest = 0;
-  for (int z = 0; z < kCodes; ++z) largest = std::max(largest, at(z, z));
-  for (int z = 0; z < kCodes; ++z) at(z, z) += 1e-12 * largest;
-  at(kMiddle, kMiddle) += largest;
-  return Solve(a, b);
 }
 
 void Check(const std::vector<Exposure>& exposures) {
@@ -246,7 +128,8 @@ void Check(const std::vector<Exposure>& exposures) {
 
 }  // namespace
 
-AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align) {
+AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align,
+                                     ResponseMethod method) {
   Check(exposures);
   // From the longest to the shortest, so that neighbours are most alike; shifts are in the order
   // that was given.
@@ -258,7 +141,7 @@ AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align
   std::vector<Exposure> sorted;
   for (const std::size_t i : order) sorted.push_back(std::move(exposures[i]));
   const std::vector<std::array<int, 2>> shift = Shifts(sorted, align);
-  const Stack stack = {sorted, shift};
+  const ExposureStack stack = {sorted, shift};
 
   AssembledExposures result;
   result.shift.resize(order.size());
@@ -276,25 +159,23 @@ AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align
     }
     if (!(white > 0)) throw InputError(InputPosition::File(sorted[0].name), "is black");
   } else {
-    Response response;
-    for (int channel = 0; channel < 3; ++channel) {
-      std::array<double, kCodes>& g = response[std::size_t(channel)];
-      // The first response says what codes are worth for the second one.
-      std::array<double, kCodes> worth;
-      for (int z = 0; z < kCodes; ++z) worth[std::size_t(z)] = Weight(z);
-      g = FindResponse(stack, channel, worth);
-      g = FindResponse(stack, channel, Worth(g));
+    result.response = FindResponse(stack, method);
+    for (const CodeValues& g : *result.response) {
       if (!(g[kCodes - 16] > g[16])) {
         throw InputError(InputPosition::File(sorted[0].name),
                          "codes do not grow with the exposures: these are in another order, or the "
                          "photographs are of different things");
       }
     }
-    result.response = response;
   }
 
-  std::array<std::array<double, kCodes>, 3> worth = {};
-  for (std::size_t c = 0; c < 3 && coded; ++c) worth[c] = Worth((*result.response)[c]);
+  std::array<CodeValues, 3> worth = {};
+  for (std::size_t c = 0; c < 3 && coded; ++c) {
+    worth[c] = WeightsOfCodes((*result.response)[c], method);
+  }
+  // The mean of Debevec and Malik is that of logarithms. Robertson et al. weigh radiance by the
+  // square of the exposure, because an error of a code is one of light times exposure.
+  const bool linear_mean = coded && method == ResponseMethod::kRobertson;
   result.image = Image(first.width, first.height);
   for (int y = 0; y < first.height; ++y) {
     for (int x = 0; x < first.width; ++x) {
@@ -307,7 +188,7 @@ AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align
           const float value = pixel[channel];
           double log_exposure, weight;
           if (coded) {
-            const int code = Code(value);
+            const int code = CodeOf(value);
             log_exposure = (*result.response)[std::size_t(channel)][std::size_t(code)];
             weight = worth[std::size_t(channel)][std::size_t(code)];
           } else {
@@ -316,13 +197,15 @@ AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align
             weight = std::min(share, 1 - share);
           }
           const double log_radiance = log_exposure - std::log(sorted[j].exposure);
-          weights += weight, sum += weight * log_radiance;
+          if (linear_mean) weight *= sorted[j].exposure * sorted[j].exposure;
+          weights += weight, sum += weight * (linear_mean ? std::exp(log_radiance) : log_radiance);
           if (!any) longest = log_radiance;
           any = true, shortest = log_radiance;
           is_white = value >= 0.5f * white;
         }
         if (weights > 0) {
-          result.image.Pixel(x, y)[channel] = float(std::exp(sum / weights));
+          const double mean = sum / weights;
+          result.image.Pixel(x, y)[channel] = float(linear_mean ? mean : std::exp(mean));
           continue;
         }
         ++(is_white ? result.white : result.black);

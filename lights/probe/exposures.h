@@ -1,28 +1,15 @@
-// Photographs of one view at several exposures become a picture of its radiance (T 5.1; Debevec and
-// Malik 1997, "Recovering High Dynamic Range Radiance Maps from Photographs").
+// Photographs of one view at several exposures become a picture of its radiance (T 5.1).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "image/image.h"
+#include "lights/probe/camera_response.h"
 
 namespace skywave {
-
-struct Exposure {
-  std::string name;  // for messages
-  Image image;       // the numbers of the file
-  // Codes of a camera with a response that is not known, over 255; false: numbers in proportion to
-  // the light.
-  bool coded = true;
-  double exposure = 1;  // time, times sensitivity and area of the aperture where these differ
-};
-
-// ln of the exposure that gives a code, by channel; 0 at code 128.
-using Response = std::array<std::array<double, 256>, 3>;
 
 struct AssembledExposures {
   Image image;  // radiance: of codes 1 where an exposure of 1 gives 128, of numbers as they are
@@ -32,12 +19,14 @@ struct AssembledExposures {
   std::size_t black = 0, white = 0;
 };
 
-// Moves exposures over each other (Ward 2003) unless `align` is false; finds the response that
-// makes them agree, by least squares (equation 3, with the radiance of every pixel eliminated); and
-// takes the mean of the logarithm of radiance weighted by how far codes are from black and white
-// (equation 6). What moves between exposures is not found: there is no deghosting. Throws
-// InputError with the name of an exposure for fewer than two, sizes or kinds that differ, exposures
-// that are equal or not above 0, and codes that do not grow with them.
-AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align);
+// Moves exposures over each other (Ward 2003) unless `align` is false, finds the response of codes,
+// and takes the mean of radiance as `method` does: of its logarithm, weighted by how far codes are
+// from black and white (Debevec and Malik 1997, equation 6), or of radiance itself, weighted by
+// that and the square of the exposure (Robertson et al. 2003). What moves between exposures is not
+// found: there is no deghosting. Throws InputError with the name of an exposure for fewer than two,
+// sizes or kinds that differ, exposures that are equal or not above 0, and codes that do not grow
+// with them.
+AssembledExposures AssembleExposures(std::vector<Exposure> exposures, bool align,
+                                     ResponseMethod method = ResponseMethod::kDebevec);
 
 }  // namespace skywave

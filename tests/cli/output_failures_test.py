@@ -61,6 +61,7 @@ COMMANDS = {
         "probe convert in/sky.pfm {out}/a.exr --to cube-faces",
         [f"a-{face}.exr" for face in ("right", "left", "up", "down", "front", "back")]),
     "probe info": ("probe info in/sky.pfm --json {out}/a.json", ["a.json"]),
+    "probe join": ("probe join in/ball.pfm in/ball.pfm --height 8 -o {out}/a.exr", ["a.exr"]),
     "probe lights": ("probe lights in/sky.pfm --output {out}/a.json", ["a.json"]),
     "probe lights --residual": (
         "probe lights in/sky.pfm --strata variation --residual {out}/a.exr", ["a.exr"]),
@@ -139,6 +140,8 @@ def setUpModule():
     rows = b"".join(struct.pack("<3f", x / 16, y / 8, 30 if (x, y) == (3, 2) else 1)
                     for y in range(8) for x in range(16))
     (folder / "sky.pfm").write_bytes(b"PF\n16 8\n-1.0\n" + rows)
+    ball = b"".join(struct.pack("<3f", x / 48, y / 24, 1) for y in range(48) for x in range(48))
+    (folder / "ball.pfm").write_bytes(b"PF\n48 48\n-1.0\n" + ball)
     (folder / "bad.pfm").write_bytes(b"PF\n16 8\n-1.0\n" + struct.pack("<f", float("nan"))
                                      + rows[4:])
     (folder / "job.toml").write_text('[base]\nscene = "spheres"\nsize = "24x16"\nspp = 1\n[axes]\n'

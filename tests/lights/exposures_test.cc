@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/names.h"
 
 namespace skywave {
 namespace {
@@ -93,17 +94,22 @@ std::vector<double> Ratios(const Image& image, const Image& scene, int c) {
 
 TEST(Exposures, BracketsGiveTheSceneBackOverFiveDecades) {
   const Image scene = Scene();
-  const AssembledExposures made = AssembleExposures(Brackets(scene, 0.5), true);
-  for (const auto& shift : made.shift) EXPECT_EQ(shift, (std::array<int, 2>{0, 0}));
-  for (int c = 0; c < 3; ++c) {
-    for (const double ratio : Ratios(made.image, scene, c)) EXPECT_NEAR(ratio, 1, 0.02);
+  for (const ResponseMethod method : {ResponseMethod::kDebevec, ResponseMethod::kRobertson}) {
+    const AssembledExposures made = AssembleExposures(Brackets(scene, 0.5), true, method);
+    for (const auto& shift : made.shift) EXPECT_EQ(shift, (std::array<int, 2>{0, 0}));
+    for (int c = 0; c < 3; ++c) {
+      for (const double ratio : Ratios(made.image, scene, c)) {
+        EXPECT_NEAR(ratio, 1, 0.02) << ToString(method);
+      }
+    }
   }
 }
 
 // The response is that of the film, up to its scale.
 TEST(Exposures, TheResponseIsThatOfTheFilm) {
-  const AssembledExposures made = AssembleExposures(Brackets(Scene(), 0), true);
-  ASSERT_TRUE(made.response);
+  const auto response_by = [](ResponseMethod method) {
+    return *AssembleExposures(Brackets(Scene(), 0), true, method).response;
+  };
   const auto exposure_of = [](double code) {
     double low = 1e-8, high = 1e4;
     for (int i = 0; i < 200; ++i) {
@@ -112,11 +118,31 @@ TEST(Exposures, TheResponseIsThatOfTheFilm) {
     }
     return std::log(low);
   };
-  for (const auto& g : *made.response) {
-    EXPECT_NEAR(g[128], 0, 1e-6);
-    for (int code = 20; code <= 235; code += 5) {
-      EXPECT_NEAR(g[std::size_t(code)], exposure_of(code) - exposure_of(128), 0.03) << code;
+  for (const ResponseMethod method : {ResponseMethod::kDebevec, ResponseMethod::kRobertson}) {
+    for (const CodeValues& g : response_by(method)) {
+      EXPECT_NEAR(g[128], 0, 1e-6);
+      for (int code = 20; code <= 235; code += 5) {
+        EXPECT_NEAR(g[std::size_t(code)], exposure_of(code) - exposure_of(128), 0.03)
+            << ToString(method) << " " << code;
+      }
     }
+  }
+}
+
+// x = sum(w t I) / sum(w t^2), with the bell of the paper for w.
+TEST(Exposures, TheMeanOfRobertsonWeighsByTheSquareOfTheExposure) {
+  const std::vector<Exposure> exposures = Brackets(Scene(), 2);
+  const AssembledExposures made = AssembleExposures(exposures, false, ResponseMethod::kRobertson);
+  const CodeValues& g = (*made.response)[0];
+  for (const int x : {3, 40, 77, 110}) {
+    double above = 0, below = 0;
+    for (const Exposure& exposure : exposures) {
+      const int code = CodeOf(exposure.image.Pixel(x, 20)[0]);
+      if (code == 0 || code == 255) continue;
+      const double bell = std::exp(-4 * std::pow((code - 127.5) / 127.5, 2)), t = exposure.exposure;
+      above += bell * t * std::exp(g[std::size_t(code)]), below += bell * t * t;
+    }
+    EXPECT_NEAR(made.image.Pixel(x, 20)[0], above / below, 1e-5 * above / below);
   }
 }
 
