@@ -32,6 +32,7 @@ import programs
 import python_calls
 import report
 import scene
+import time_to_error
 
 PROGRAM = None
 
@@ -254,7 +255,33 @@ class Figures(unittest.TestCase):
         self.assertEqual(values.tolist(), [4, 5, 6, 7, 8, 9])
 
 
+class TimeToError(unittest.TestCase):
+    def test_errors_are_relative_to_the_place(self):
+        # 0.1^2 / (1 + 0.01) and 0.1^2 / 0.01
+        error = time_to_error.relative_mse([1.1, 0.1], [1, 0])
+        self.assertAlmostEqual(error, (0.01 / 1.01 + 1) / 2)
+
+    def test_the_best_of_both_programs_is_compared(self):
+        def way(seconds, samples, reached=True):
+            return {"samples": samples, "seconds": seconds, "error": 0, "reached": reached}
+
+        both = {"Skywave": way(8, 64), "Skywave, denoised": way(2, 8),
+                "Skywave, best": way(4, 4, False), "Cycles": way(90, 512, False),
+                "Cycles, OIDN": way(30, 128)}
+        neither = {**both, "Cycles, OIDN": way(80, 512, False)}
+        none_of_ours = {name: {**one, "reached": False} for name, one in both.items()}
+        row, lower, empty = time_to_error.lines(
+            {"a": both, "b": neither, "c": none_of_ours})[-3:]
+        self.assertEqual(row, "| a | 8 (64) | 2 (8) | > 4 (4) | > 90 (512) | 30 (128) | 15 |")
+        self.assertTrue(lower.endswith("| > 80 (512) | > 40 |"), lower)
+        self.assertTrue(empty.endswith("|  |"), empty)
+
+
 class Scenes(unittest.TestCase):
+    def test_placed_meshes_are_scaled_and_then_moved_up(self):
+        mesh = scene.placed(scene.Mesh(array("f", [1, 2, 3]), array("f"), array("i")), 2, 0.5)
+        self.assertEqual(list(mesh.positions), [2, 4.5, 6])
+
     def test_ply_goes_round(self):
         mesh = ball()
         with tempfile.TemporaryDirectory() as folder:

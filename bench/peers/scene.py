@@ -124,15 +124,26 @@ def read_obj(path):
     return [mesh for _, mesh in meshes.values() if mesh.triangles]
 
 
-def plane():
+def plane(scale=1):
     points, triangles = PLANE
-    return Mesh(array("f", flat(points)), array("f"), array("i", flat(triangles)))
+    return placed(Mesh(array("f", flat(points)), array("f"), array("i", flat(triangles))), scale)
+
+
+def placed(mesh, scale, up=0):
+    """Scales a mesh, and then moves it up [m]."""
+    positions = array("f", (scale * x for x in mesh.positions))
+    for i in range(1, len(positions), 3):
+        positions[i] += up
+    return replace(mesh, positions=positions)
 
 
 # Files of each scene in the folder of data: its model and its map.
 FILES = {"bunny": ("models/bunny.ply", "probes/latlong/grace_latlong.exr"),
          "metal": ("models/bunny.ply", "probes/latlong/grace_latlong.exr"),
-         "sponza": ("models/sponza.obj", "probes/latlong/galileo_latlong.exr")}
+         "sponza": ("models/sponza.obj", "probes/latlong/galileo_latlong.exr"),
+         "killeroo": ("models/killeroo_loop1.ply", "probes/latlong/rnl_latlong.exr"),
+         "buddha": ("models/buddha.obj", "probes/latlong/kitchen_latlong.exr"),
+         "copper-buddha": ("models/buddha.obj", "probes/latlong/rnl_latlong.exr")}
 
 
 def make(name, data):
@@ -140,6 +151,17 @@ def make(name, data):
     model, probe = (data / file for file in FILES[name])
     if name == "sponza":
         return Scene(read_obj(model), (-12, 2, 0), (10, 4, 0), UP, 60, probe)
+    if name == "killeroo":
+        beast = reflected(read_ply(model))
+        beast.material = Material((0.4, 0.25, 0.15))
+        return Scene([plane(10), placed(beast, 0.01, 1.404)], (3.5, 2, -3.5), (0, 0.7, -0.4), UP,
+                     38, probe)
+    if "buddha" in name:
+        statue, = read_obj(model)
+        if name != "buddha":
+            statue.material = COPPER
+        return Scene([plane(10), placed(statue, 1, 1.002)], (0.8, 1.6, -4), (0, 0.95, 0), UP, 38,
+                     probe)
     bunny = read_ply(model)
     if name == "metal":
         bunny.material = COPPER
@@ -152,17 +174,24 @@ def exchanged(values):
                                        for i in range(0, len(values), 3)))
 
 
-def for_right_handed(scene):
-    """Returns the scene in a right-handed world with z up: y and z are exchanged.
+def reflected(mesh):
+    """Exchanges y and z, between a left-handed world with y up and a right-handed one with z up.
 
     That is a reflection, so triangles reverse their winding, which the exchange of their second and
     third vertex does: otherwise their sides would contradict the normals, and surfaces would be
-    black. The middle of the map lies along +y then, its right half along +x as before.
+    black.
+    """
+    return Mesh(exchanged(mesh.positions), exchanged(mesh.normals), exchanged(mesh.triangles),
+                mesh.material)
+
+
+def for_right_handed(scene):
+    """Returns the scene in a right-handed world with z up.
+
+    The middle of the map lies along +y then, its right half along +x as before.
     """
     def point(p):
         return (p[0], p[2], p[1])
 
-    meshes = [Mesh(exchanged(mesh.positions), exchanged(mesh.normals), exchanged(mesh.triangles),
-                   mesh.material) for mesh in scene.meshes]
-    return replace(scene, meshes=meshes, eye=point(scene.eye), target=point(scene.target),
+    return replace(scene, meshes=[reflected(mesh) for mesh in scene.meshes], eye=point(scene.eye), target=point(scene.target),
                    up=point(scene.up))
