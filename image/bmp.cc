@@ -153,8 +153,8 @@ void DecodeColors(const std::uint8_t* line, const BmpHeader& header, std::uint8_
 
 }  // namespace
 
-Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
+CompactImage DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits) {
   const BmpHeader header = ReadHeader(path, bytes, limits);
   ByteCursor cursor(path, bytes, std::min(header.pixels, bytes.size()));
   const int bits = header.bits;

@@ -31,8 +31,8 @@ constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG"
 bool IsWebp(std::string_view bytes) {
   return StartsWith(bytes, "RIFF") && bytes.size() >= 12 && StartsWith(bytes.substr(8), "WEBP");
 }
-using Decoder8Bit = Image (*)(const std::string& path, std::string_view bytes, Encoding encoding,
-                              const ReadLimits& limits);
+using Decoder8Bit = CompactImage (*)(const std::string& path, std::string_view bytes,
+                                     Encoding encoding, const ReadLimits& limits);
 
 // Returns the decoder of a file of 8 bits per channel, or null for other files. TGA has no first
 // bytes of its own, and is known by its name.
@@ -120,16 +120,16 @@ void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t h
   }
 }
 
-Image ReadImage(const std::string& name, const ReadLimits& limits) {
-  const auto [path, layer] = SplitFileName(name);
-  return DecodeImage(path, ReadFile(path), limits, layer);
+Image ReadImage(const std::string& path, const ReadLimits& limits) {
+  const auto [file, layer] = SplitFileName(path);
+  return DecodeImage(file, ReadFile(file), limits, layer);
 }
 
-std::vector<std::string> ReadLayerNames(const std::string& name, const ReadLimits& limits) {
-  const auto [path, layer] = SplitFileName(name);
-  const std::string bytes = ReadFile(path);
+std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits) {
+  const auto [file, layer] = SplitFileName(path);
+  const std::string bytes = ReadFile(file);
   if (!StartsWith(bytes, kExrMagic)) return {};
-  return ExrLayerNames(path, bytes, limits, layer);
+  return ExrLayerNames(file, bytes, limits, layer);
 }
 
 namespace {
@@ -169,8 +169,8 @@ bool IsRgba(const std::string& path, const ReadLimits& limits) {
   return HasExrAlpha(path, bytes, limits);
 }
 
-Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
-                    const ReadLimits& limits) {
+CompactImage DecodeCompactTexture(const std::string& name, std::string_view bytes,
+                                  Encoding encoding, const ReadLimits& limits) {
   const Decoder8Bit decode = FindDecoder8Bit(name, bytes);
   if (encoding == Encoding::kAlpha && (!decode || decode == DecodeJpeg)) {
     if (HasExrAlpha(name, bytes, limits)) {
@@ -178,52 +178,54 @@ Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding en
       for (std::size_t i = 0; i < read.image.rgb.size(); ++i) {
         read.image.rgb[i] = read.layers[0].values[i / 3];
       }
-      return std::move(read.image);
+      return CompactImage(std::move(read.image));
     }
     Image opaque(1, 1);
     opaque.rgb = {1, 1, 1};
     return opaque;
   }
-  return decode ? decode(name, bytes, encoding, limits) : DecodeImage(name, bytes, limits);
+  if (decode) return decode(name, bytes, encoding, limits);
+  return DecodeImage(name, bytes, limits);
 }
 
 bool IsGltfImage(std::string_view bytes) {
   return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic) || IsWebp(bytes);
 }
 
-bool IsOfScreen(const std::string& name) {
-  const auto [path, layer] = SplitFileName(name);
-  return FindDecoder8Bit(path, ReadFile(path)) != nullptr;
+bool IsOfScreen(const std::string& path) {
+  const auto [file, layer] = SplitFileName(path);
+  return FindDecoder8Bit(file, ReadFile(file)) != nullptr;
 }
 
-Image ReadTexture(const std::string& name, Encoding encoding, const ReadLimits& limits) {
-  const auto [path, layer] = SplitFileName(name);
-  const std::string bytes = ReadFile(path);
-  if (layer.empty()) return DecodeTexture(path, bytes, encoding, limits);
-  if (!StartsWith(bytes, kExrMagic)) RequireNoLayer(path, layer);
-  return DecodeImage(path, bytes, limits, layer);
+CompactImage ReadCompactTexture(const std::string& path, Encoding encoding,
+                                const ReadLimits& limits) {
+  const auto [file, layer] = SplitFileName(path);
+  const std::string bytes = ReadFile(file);
+  if (layer.empty()) return DecodeCompactTexture(file, bytes, encoding, limits);
+  if (!StartsWith(bytes, kExrMagic)) RequireNoLayer(file, layer);
+  return DecodeImage(file, bytes, limits, layer);
 }
 
-Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding) {
-  float table[256];
-  for (int i = 0; i < 256; ++i) {
-    table[i] = float(encoding == Encoding::kSrgb ? LinearFromSrgb(i / 255.0) : i / 255.0);
-  }
-  Image image(width, height);
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = table[bytes[i]];
-  return image;
+Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
+  return ReadCompactTexture(path, encoding, limits).Floats();
 }
 
-Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding) {
+Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
+                    const ReadLimits& limits) {
+  return DecodeCompactTexture(name, bytes, encoding, limits).Floats();
+}
+
+CompactImage FromRgba(int width, int height, const std::uint8_t* rgba, Encoding encoding) {
   const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  std::vector<std::uint8_t> codes(3 * pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
     if (encoding == Encoding::kAlpha) {
-      std::fill_n(&rgba[3 * i], 3, rgba[4 * i + 3]);
+      std::fill_n(&codes[3 * i], 3, rgba[4 * i + 3]);
     } else {
-      std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
+      std::copy_n(&rgba[4 * i], 3, &codes[3 * i]);
     }
   }
-  return FromBytes(width, height, rgba, encoding);
+  return {width, height, std::move(codes), encoding};
 }
 
 Image FromDeepRgba(int width, int height, const std::vector<std::uint16_t>& rgba,

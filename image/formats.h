@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "image/compact_image.h"
 #include "image/image.h"
 
 namespace skywave {
@@ -34,27 +35,25 @@ std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 // 8-bit formats give linear light, or unconverted numbers in [0, 1].
-Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits);
-Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
-                 const ReadLimits& limits);
-Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits);
-Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits);
-Image DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits);
-Image DecodeWebp(const std::string& path, std::string_view bytes, Encoding encoding,
-                 const ReadLimits& limits);
+CompactImage DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits);
+CompactImage DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
+                        const ReadLimits& limits);
+CompactImage DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits);
+CompactImage DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits);
+CompactImage DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits);
+CompactImage DecodeWebp(const std::string& path, std::string_view bytes, Encoding encoding,
+                        const ReadLimits& limits);
 // Gives the first picture of an animation.
-Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits);
+CompactImage DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits);
 
-// `bytes` holds three bytes per pixel, rows from the top.
-Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding);
-// The same from four bytes per pixel, of which it takes the colour or, for kAlpha, the last one.
-// Overwrites them.
-Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding);
+// `rgba` holds four bytes per pixel, rows from the top, of which the colour is taken or, for
+// kAlpha, the last one.
+CompactImage FromRgba(int width, int height, const std::uint8_t* rgba, Encoding encoding);
 
 // The same from four numbers of 16 bits per pixel.
 Image FromDeepRgba(int width, int height, const std::vector<std::uint16_t>& rgba,

@@ -118,8 +118,8 @@ std::string EncodeJpeg(int width, int height, const std::vector<std::uint8_t>& r
   return bytes;
 }
 
-Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
-                 const ReadLimits& limits) {
+CompactImage DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
+                        const ReadLimits& limits) {
   jpeg_decompress_struct decoder = {};
   struct Destroy {
     jpeg_decompress_struct* decoder;
@@ -141,7 +141,8 @@ Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encod
   jpeg_progress_mgr progress = {};
   progress.progress_monitor = CheckScans;
   if (!ReadPixels(decoder, errors, progress, pixels.data())) fail(errors.message);
-  return FromBytes(int(decoder.image_width), int(decoder.image_height), pixels.data(), encoding);
+  return CompactImage(int(decoder.image_width), int(decoder.image_height), std::move(pixels),
+                      encoding);
 }
 
 }  // namespace skywave

@@ -212,8 +212,8 @@ void WritePng(const std::string& path, int width, int height,
   WriteFileAtomically(path, EncodePng(width, height, rgb));
 }
 
-Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
+CompactImage DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits) {
   PngReading reading{bytes};
   struct Free {
     PngReading* reading;

@@ -19,8 +19,8 @@ std::int64_t BigEndian32(ByteCursor& cursor) {
 
 // "The Quite OK Image Format", qoiformat.org, version 1.0: each chunk gives a pixel as a colour, as
 // a place in a table of earlier ones, or as a difference to the last one, or repeats that.
-Image DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
+CompactImage DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits) {
   constexpr std::size_t kMagic = 4, kIndexed = 64;
   constexpr int kRgb = 0xfe, kRgba = 0xff;
   ByteCursor cursor(path, bytes);

@@ -49,9 +49,10 @@ void SkipSource(void* user, int count) {
 
 int IsSourceAtEnd(void* user) { return static_cast<Source*>(user)->left.empty(); }
 
-Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
-                  const std::string& path, std::string_view bytes, Encoding encoding,
-                  const ReadLimits& limits) {
+// Takes rows from the right where `from_right` says so, which stb_image ignores.
+CompactImage DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
+                         const std::string& path, std::string_view bytes, Encoding encoding,
+                         const ReadLimits& limits, bool from_right = false) {
   CheckSize(InputPosition::File(path), width, height, limits);
   constexpr stbi_io_callbacks kCallbacks = {ReadSource, SkipSource, IsSourceAtEnd};
   constexpr int kRgba = 4;
@@ -67,6 +68,14 @@ Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
   if (source.ended) fail("the file ends within the picture");
   if (!rgba) fail(stbi_failure_reason());
   if (columns != width || rows != height) fail("its header is that of another format");
+  const auto pixel = [&](int x, int y) {
+    return rgba.get() + kRgba * (std::size_t(y) * std::size_t(columns) + std::size_t(x));
+  };
+  for (int y = 0; from_right && y < rows; ++y) {
+    for (int x = 0; x < columns / 2; ++x) {
+      std::swap_ranges(pixel(x, y), pixel(x, y) + kRgba, pixel(columns - 1 - x, y));
+    }
+  }
   return FromRgba(columns, rows, rgba.get(), encoding);
 }
 
@@ -103,8 +112,8 @@ std::optional<std::string> WithPlainPalette(const std::string& path, std::string
 
 }  // namespace
 
-Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
+CompactImage DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits) {
   constexpr std::size_t kSize = 12;        // offset of the width [bytes]
   constexpr std::uint8_t kFromRight = 16;  // a bit of the last byte of the header
   ByteCursor cursor(path, bytes);
@@ -113,18 +122,12 @@ Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encodi
   cursor.Take(1, "the header");
   const bool from_right = (cursor.U8("the header") & kFromRight) != 0;
   const std::optional<std::string> plain = WithPlainPalette(path, bytes);
-  Image image = DecodeByStb("TGA", width, height, path, plain ? *plain : bytes, encoding, limits);
-  for (int y = 0; from_right && y < image.height; ++y) {  // stb_image takes them from the left
-    for (int x = 0; x < image.width / 2; ++x) {
-      std::swap_ranges(image.Pixel(x, y), image.Pixel(x, y) + 3,
-                       image.Pixel(image.width - 1 - x, y));
-    }
-  }
-  return image;
+  return DecodeByStb("TGA", width, height, path, plain ? *plain : bytes, encoding, limits,
+                     from_right);
 }
 
-Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
-                const ReadLimits& limits) {
+CompactImage DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
+                       const ReadLimits& limits) {
   constexpr std::size_t kSize = 6;  // offset of the width [bytes]
   ByteCursor cursor(path, bytes);
   cursor.Take(kSize, "the header");

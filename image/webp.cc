@@ -7,8 +7,8 @@
 
 namespace skywave {
 
-Image DecodeWebp(const std::string& path, std::string_view bytes, Encoding encoding,
-                 const ReadLimits& limits) {
+CompactImage DecodeWebp(const std::string& path, std::string_view bytes, Encoding encoding,
+                        const ReadLimits& limits) {
   const auto* const data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   WebPBitstreamFeatures features = {};
   if (WebPGetFeatures(data, bytes.size(), &features) != VP8_STATUS_OK) {

@@ -42,7 +42,7 @@ std::size_t BytesOf(const Scene& scene) {
   };
   add(scene.meshes);
   for (const Object& object : scene.objects) add(object.meshes);
-  for (const Image& image : scene.images) bytes += BytesOf(image.rgb);
+  for (const CompactImage& image : scene.images) bytes += image.bytes();
   for (const MeasuredBrdf& brdf : scene.measured) bytes += BytesOf(brdf.rgb);
   for (const EnvironmentLight& light : scene.environments) {
     if (light.map) bytes += BytesOf(light.map->rgb);

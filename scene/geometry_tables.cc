@@ -333,7 +333,7 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
     const Texture& map = scene.textures[*texture];
     tables.map_axes[record] = MakeTriangleTangents(mesh, corners, map);
     if (tables.normal_maps[tag & kMaterialMask].per_texel != 0) {
-      const Image& image = scene.images[map.image];
+      const CompactImage& image = scene.images[map.image];
       tables.map_slopes[record] = MakeTriangleSlopes(mesh, corners, map, image.width, image.height);
     }
   }

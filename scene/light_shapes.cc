@@ -120,7 +120,7 @@ glm::dvec3 AddLightShape(const Scene& scene, const PunctualLight& light, const s
   CopyRows(world_from_light, shape.world_from_light);
   CopyRows(glm::inverse(world_from_light), shape.light_from_world);
 
-  const Image* const image = form.image ? &scene.images.at(*form.image) : nullptr;
+  const CompactImage* const image = form.image ? &scene.images.at(*form.image) : nullptr;
   shape.width = image ? std::uint32_t(image->width) : 1;
   shape.height = image ? std::uint32_t(image->height) : 1;
   shape.first_texel = std::uint32_t(tables.texels.size());
@@ -132,7 +132,7 @@ glm::dvec3 AddLightShape(const Scene& scene, const PunctualLight& light, const s
     throw InputError(InputPosition::File(path), "the images of its lights have too many texels");
   }
   if (image) {
-    tables.texels.insert(tables.texels.end(), image->rgb.begin(), image->rgb.end());
+    for (std::size_t i = 0; i < image->values(); ++i) tables.texels.push_back(image->Value(i));
   } else {
     tables.texels.insert(tables.texels.end(), 3, 1.0f);
   }

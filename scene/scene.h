@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "image/compact_image.h"
 #include "image/image.h"
 #include "kernels/bsdf/material.h"
 #include "kernels/camera.h"
@@ -193,7 +194,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;
-  std::vector<Image> images;  // those of textures and lights: linear RGB, or numbers as they are
+  std::vector<CompactImage>
+      images;  // those of textures and lights: linear RGB, or numbers as they are
   std::optional<Camera> camera;
   std::vector<NamedCamera> cameras;  // all those of a file that names them, the one above first
   std::vector<AnimationInfo> animations;

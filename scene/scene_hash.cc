@@ -26,7 +26,11 @@ class Hash {
   template <class T>
   void AddAll(const T& values) {
     Add(std::uint64_t{values.size()});
-    XXH64_update(state_.get(), values.data(), values.size() * sizeof values[0]);
+    AddArray(values.data(), values.size());
+  }
+  template <class T>
+  void AddArray(const T* values, std::size_t count) {
+    XXH64_update(state_.get(), values, count * sizeof values[0]);
   }
 
  private:
@@ -82,6 +86,15 @@ void AddImage(const Image& image, Hash& hash) {
   hash.Add(image.width), hash.Add(image.height), hash.AddAll(image.rgb);
 }
 
+// Adds the floats, whichever form they have.
+void AddImage(const CompactImage& image, Hash& hash) {
+  hash.Add(image.width), hash.Add(image.height), hash.Add(std::uint64_t{image.values()});
+  std::vector<float> decoded;
+  for (int y = 0; y < image.height; ++y) {
+    hash.AddArray(image.Row(y, decoded), 3 * std::size_t(image.width));
+  }
+}
+
 void AddCamera(const Camera& camera, Hash& hash) {
   hash.Add(camera.kind), hash.Add(camera.world_from_camera), hash.Add(camera.fov_degrees);
   if (camera.window) hash.Add(*camera.window);
@@ -121,7 +134,7 @@ SceneHashContent::SceneHashContent(const Scene& scene) {
   for (const Material& material : scene.materials) AddMaterial(material, *hash);
   for (const MeasuredBrdf& brdf : scene.measured) hash->AddAll(brdf.rgb);
   for (const Texture& texture : scene.textures) AddTexture(texture, *hash);
-  for (const Image& image : scene.images) AddImage(image, *hash);
+  for (const CompactImage& image : scene.images) AddImage(image, *hash);
   state_ = hash;
 }
 

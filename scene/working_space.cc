@@ -94,7 +94,9 @@ void ConvertImages(const Converter& converter, Scene& scene) {
     const auto [known, is_new] = converted.try_emplace(image, image);
     if (!is_new) return known->second;
     if (of_numbers.contains(image)) known->second = AddTextureImage(scene, scene.images[image]);
-    converter.Convert(scene.images[known->second]);
+    Image colors = scene.images[known->second].Floats();
+    converter.Convert(colors);
+    scene.images[known->second] = std::move(colors);
     return known->second;
   };
   std::map<std::uint32_t, std::uint32_t> copies;  // texture -> that of the colours

@@ -38,10 +38,10 @@ MetallicColor Convert(const glm::vec3& diffuse, const glm::vec3& specular) {
 
 // A picture of the file, or white.
 struct Source {
-  const Image* image;
+  const CompactImage* image;
   glm::vec4 At(int x, int y, int width, int height) const {
     if (image == nullptr) return glm::vec4(1);
-    const float* const p = image->Pixel(x * image->width / width, y * image->height / height);
+    const auto p = image->Pixel(x * image->width / width, y * image->height / height);
     return {p[0], p[1], p[2], 1};
   }
 };

@@ -48,7 +48,7 @@ GltfTextureInfo InfoOf(const Info& from) {
 }
 
 // Throws InputError for an image that is not there or cannot be decoded.
-Image DecodeGltfImage(const GltfTextures& textures, int index, Encoding encoding) {
+CompactImage DecodeGltfImage(const GltfTextures& textures, int index, Encoding encoding) {
   if (index < 0 || std::size_t(index) >= textures.model.images.size()) {
     throw InputError(InputPosition::File(textures.path),
                      fmt::format("there is no image {}", index));
@@ -61,7 +61,7 @@ Image DecodeGltfImage(const GltfTextures& textures, int index, Encoding encoding
   if (!IsGltfImage(bytes)) {
     throw InputError(InputPosition::File(name), "is neither PNG, JPEG nor WebP");
   }
-  return DecodeTexture(name, bytes, encoding, kTextureLimits);
+  return DecodeCompactTexture(name, bytes, encoding, kTextureLimits);
 }
 
 Image WhiteTexel() {
@@ -75,7 +75,7 @@ std::uint32_t AddImage(GltfTextures& textures, int index, Encoding encoding) {
   if (const auto found = textures.images.find(key); found != textures.images.end()) {
     return found->second;
   }
-  Image image;
+  CompactImage image;
   if (textures.wanted != nullptr) {
     textures.wanted->insert(key);
     image = WhiteTexel();
@@ -124,7 +124,7 @@ UvSet ChooseUvSet(GltfTextures& textures, int set) {
 
 void DecodeAhead(const std::set<GltfImageKey>& wanted, GltfTextures& textures) {
   const std::vector<GltfImageKey> keys(wanted.begin(), wanted.end());
-  std::vector<std::optional<Image>> images(keys.size());
+  std::vector<std::optional<CompactImage>> images(keys.size());
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
     try {
       images[i] = DecodeGltfImage(textures, keys[i].first, keys[i].second);
@@ -244,16 +244,19 @@ GltfShare AddGltfShare(GltfTextures& textures, const GltfTextureInfo& info, int 
   const std::uint32_t whole = scene.textures[*texture].image;
   const auto [known, is_new] = textures.channels.try_emplace({whole, channel, factor}, 0);
   if (is_new) {
-    Image shares = scene.images[whole];
+    Image shares = scene.images[whole].Floats();
     for (std::size_t i = 0; i < shares.rgb.size(); i += 3) {
       std::fill_n(&shares.rgb[i], 3, factor * shares.rgb[i + std::size_t(channel)]);
     }
     known->second = AddTextureImage(scene, std::move(shares));
   }
-  const std::vector<float>& rgb = scene.images[known->second].rgb;
-  if (std::all_of(rgb.begin(), rgb.end(), [&](float share) { return share == rgb[0]; })) {
+  const CompactImage& shares = scene.images[known->second];
+  const float first = shares.Value(0);
+  std::size_t same = 1;
+  while (same < shares.values() && shares.Value(same) == first) ++same;
+  if (same == shares.values()) {
     scene.textures.pop_back();
-    return {rgb[0]};
+    return {first};
   }
   scene.textures[*texture].image = known->second;
   return {1, texture};

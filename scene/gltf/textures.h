@@ -31,7 +31,7 @@ struct GltfTextures {
   std::vector<int> uv_sets = {};  // that its textures use, two at most: a mesh has so many (UvSet)
   // What has been made of the images of the file, so that each is decoded once.
   std::map<GltfImageKey, std::uint32_t> images = {};
-  std::map<GltfImageKey, Image> decoded = {};  // before their first use (DecodeAhead)
+  std::map<GltfImageKey, CompactImage> decoded = {};  // before their first use (DecodeAhead)
   // Set: images are noted here, and none is decoded; each is a white texel.
   std::set<GltfImageKey>* wanted = nullptr;
   std::map<std::tuple<std::uint32_t, int, float>, std::uint32_t> channels = {};

@@ -17,7 +17,7 @@ namespace {
 std::uint32_t WithFullMetal(GltfTextures& context, std::uint32_t texture) {
   Scene& scene = context.scene;
   Texture copy = scene.textures[texture];
-  Image image = scene.images[copy.image];
+  Image image = scene.images[copy.image].Floats();
   for (std::size_t i = 2; i < image.rgb.size(); i += 3) image.rgb[i] = 1;
   copy.image = AddTextureImage(scene, std::move(image));
   scene.textures.push_back(copy);

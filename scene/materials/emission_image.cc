@@ -11,8 +11,8 @@ namespace {
 constexpr double kFewest = 16, kMost = 1024;  // number of points of a mean
 
 // Returns a texel as PackTexel keeps it, but for rounding.
-glm::vec3 Texel(const Image& image, int x, int y) {
-  const float* rgb = image.Pixel(x, y);
+glm::vec3 Texel(const CompactImage& image, int x, int y) {
+  const auto rgb = image.Pixel(x, y);
   // In this order max turns NaN into 0.
   return glm::min(glm::max(glm::vec3(0), glm::vec3(rgb[0], rgb[1], rgb[2])),
                   glm::vec3(kBrightestTexel));
@@ -56,7 +56,7 @@ TexelRange Touched(TextureWrap wrap, double low, double high, int count) {
 
 }  // namespace
 
-EmissionImage::EmissionImage(const Image& image, const Texture& texture)
+EmissionImage::EmissionImage(const CompactImage& image, const Texture& texture)
     : image_(image), texture_(texture) {
   const auto stride = std::size_t(image.width) + 1;
   lit_.resize(stride * (std::size_t(image.height) + 1));

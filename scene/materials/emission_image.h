@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "image/image.h"
+#include "image/compact_image.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -14,7 +14,7 @@ namespace skywave {
 // An EmissionImage refers to `image` and `texture`, which must outlive it.
 class EmissionImage {
  public:
-  EmissionImage(const Image& image, const Texture& texture);
+  EmissionImage(const CompactImage& image, const Texture& texture);
 
   const glm::vec3& brightest() const { return brightest_; }  // largest texel, per channel
   // Returns the mean over a triangle whose corners have the coordinates `uv`, estimated at points
@@ -26,7 +26,7 @@ class EmissionImage {
   glm::vec3 Nearest(const glm::vec2& at) const;
   bool IsLit(const std::array<glm::vec2, 3>& at) const;
 
-  const Image& image_;
+  const CompactImage& image_;
   const Texture& texture_;
   glm::vec3 brightest_{0.0f};
   // The numbers of texels that are not black in the rows above and the columns left of an edge:

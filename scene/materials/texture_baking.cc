@@ -36,7 +36,7 @@ std::uint32_t UnfilteredImages::Of(std::uint32_t image, std::size_t& baked, Scen
                                    const std::function<void(const std::string&)>& warn) {
   const auto [found, is_new] = known.try_emplace(image, image);
   if (!is_new) return found->second;
-  const Image& texels = scene.images[image];
+  const CompactImage& texels = scene.images[image];
   const int longest = std::max(texels.width, texels.height);
   const int by = std::min(kMaxBakedSide / longest, kCheckTexels);
   const int width = texels.width * by, height = texels.height * by;
@@ -52,21 +52,20 @@ std::uint32_t UnfilteredImages::Of(std::uint32_t image, std::size_t& baked, Scen
   Image squares(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      std::copy_n(texels.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
+      std::copy_n(texels.Pixel(x / by, y / by).data(), 3, squares.Pixel(x, y));
     }
   }
   return found->second = AddTextureImage(scene, std::move(squares));
 }
 
-glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at) {
+glm::vec3 LookUpImage(const CompactImage& image, const Texture& texture, const glm::dvec2& at) {
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const double fx = x - std::floor(x), fy = y - std::floor(y);
   glm::dvec3 sum(0);
   for (int i = 0; i < 4; ++i) {
     const double weight = (i % 2 ? fx : 1 - fx) * (i / 2 ? fy : 1 - fy);
-    const float* texel =
-        image.Pixel(Wrap(int(std::floor(x)) + i % 2, image.width, texture.wrap_u),
-                    Wrap(int(std::floor(y)) + i / 2, image.height, texture.wrap_v));
+    const auto texel = image.Pixel(Wrap(int(std::floor(x)) + i % 2, image.width, texture.wrap_u),
+                                   Wrap(int(std::floor(y)) + i / 2, image.height, texture.wrap_v));
     if (weight > 0) sum += weight * glm::dvec3(texel[0], texel[1], texel[2]);
   }
   return sum;
@@ -98,7 +97,7 @@ std::optional<Texture> BakeTexture(std::span<const TextureOperand> operands,
 
   double width = 1, height = 1;
   for (const Texture* texture : varying) {
-    const Image& image = scene.images[texture->image];
+    const CompactImage& image = scene.images[texture->image];
     const glm::mat3x2& t = texture->transform;
     width = std::max(width, image.width * (alike ? 1.0 : std::abs(double(t[0].x))));
     height = std::max(height, image.height * (alike ? 1.0 : std::abs(double(t[1].y))));

@@ -44,7 +44,7 @@ struct UnfilteredImages {
 
 // Interpolates bilinearly between texel centres; `at` is in units of the image, wrapped as the
 // texture has it.
-glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at);
+glm::vec3 LookUpImage(const CompactImage& image, const Texture& texture, const glm::dvec2& at);
 
 // Returns the texture of `combine`(values of the operands) for every (u, v), and adds its image to
 // the scene. At least one operand has a texture.

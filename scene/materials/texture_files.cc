@@ -1,11 +1,9 @@
 #include "scene/materials/texture_files.h"
 
-#include <algorithm>
-
 namespace skywave {
 
-std::uint32_t AddTextureImage(Scene& scene, Image image) {
-  RepairRadiance(image);
+std::uint32_t AddTextureImage(Scene& scene, CompactImage image) {
+  image.Repair();
   scene.images.push_back(std::move(image));
   return static_cast<std::uint32_t>(scene.images.size() - 1);
 }
@@ -14,13 +12,16 @@ std::uint32_t AddTextureImage(TextureFiles& files, const std::string& path, Enco
   const auto key = std::pair(path, encoding);
   if (const auto found = files.images.find(key); found != files.images.end()) return found->second;
   const std::uint32_t image =
-      AddTextureImage(*files.scene, ReadTexture(path, encoding, kTextureLimits));
+      AddTextureImage(*files.scene, ReadCompactTexture(path, encoding, kTextureLimits));
   files.images.emplace(key, image);
   return image;
 }
 
-bool IsWhite(const Image& image) {
-  return std::all_of(image.rgb.begin(), image.rgb.end(), [](float value) { return value == 1; });
+bool IsWhite(const CompactImage& image) {
+  for (std::size_t i = 0; i < image.values(); ++i) {
+    if (image.Value(i) != 1) return false;
+  }
+  return true;
 }
 
 glm::mat3x2 UpwardTextureTransform(const glm::vec2& scale, const glm::vec2& offset) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "image/image.h"
+#include "image/compact_image.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -26,10 +26,10 @@ struct TextureFiles {
 std::uint32_t AddTextureImage(TextureFiles& files, const std::string& path, Encoding encoding);
 
 // Returns whether every channel of the image is 1.
-bool IsWhite(const Image& image);
+bool IsWhite(const CompactImage& image);
 
 // Adds an image from memory and returns its index.
-std::uint32_t AddTextureImage(Scene& scene, Image image);
+std::uint32_t AddTextureImage(Scene& scene, CompactImage image);
 
 // Returns the transform of a Texture for (u, v) with v upwards, as OBJ and pbrt have it, which are
 // scaled and moved.

@@ -42,14 +42,15 @@ std::vector<Overlap> Halve(std::size_t count) {
 
 // Returns HalfSize of an image in which every channel is `value` of what it is.
 template <class Value>
-Image HalfOf(const Image& image, const Value& value) {
+Image HalfOf(const CompactImage& image, const Value& value) {
   const std::vector<Overlap> columns = Halve(std::size_t(image.width)),
                              rows = Halve(std::size_t(image.height));
   Image half(int(columns.size()), int(rows.size()));
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t row) {
     std::vector<double> line(3 * columns.size());
+    std::vector<float> decoded;
     for (std::size_t k = 0; k < rows[row].count; ++k) {
-      const float* const from = image.Pixel(0, int(rows[row].first + k));
+      const float* const from = image.Row(int(rows[row].first + k), decoded);
       for (std::size_t i = 0; i < columns.size(); ++i) {
         double mean[3] = {};
         for (std::size_t j = 0; j < columns[i].count; ++j) {
@@ -79,8 +80,8 @@ Image Grey(Image image) {
 
 // Returns the normals of the heights of `texture`, steepened or flattened so that the steepest
 // slope is 1. `slope` becomes what it was [height per texel].
-Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope) {
-  const Image heights = Grey(image);
+Image NormalsOfHeights(const CompactImage& image, const Texture& texture, float& slope) {
+  const Image heights = Grey(image.Floats());
   const auto at = [&](int x, int y) {
     const auto inside = [](int i, int count, TextureWrap wrap) {
       return wrap == TextureWrap::kRepeat ? (i + count) % count : std::clamp(i, 0, count - 1);
@@ -108,11 +109,11 @@ Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope)
 // Appends the levels of an image in which every channel is `value` of what it is, or its finest one
 // alone, and returns how many these are.
 template <class Value>
-std::uint32_t AppendLevels(const Image& finest, const Value& value, bool one_level,
+std::uint32_t AppendLevels(const CompactImage& finest, const Value& value, bool one_level,
                            std::uint32_t (*pack)(const float*), TextureTables& tables,
                            const std::string& path) {
-  const auto append = [&](const Image& image, const auto& channel) {
-    if (tables.texels.size() + image.rgb.size() / 3 > kMaxTexels) {
+  const auto append = [&](const CompactImage& image, const auto& channel) {
+    if (tables.texels.size() + image.values() / 3 > kMaxTexels) {
       throw InputError(InputPosition::File(path),
                        fmt::format("the textures have more than {} texels", kMaxTexels));
     }
@@ -122,8 +123,10 @@ std::uint32_t AppendLevels(const Image& finest, const Value& value, bool one_lev
     tables.texels.resize(first + width * std::size_t(image.height));
     tbb::parallel_for(0, image.height, [&](int row) {
       std::uint32_t* const packed = &tables.texels[first + std::size_t(row) * width];
+      std::vector<float> decoded;
+      const float* const values = image.Row(row, decoded);
       for (std::size_t x = 0; x < width; ++x) {
-        const float* const rgb = image.Pixel(int(x), row);
+        const float* const rgb = values + 3 * x;
         const float texel[3] = {channel(rgb[0]), channel(rgb[1]), channel(rgb[2])};
         packed[x] = pack(texel);
       }
@@ -131,7 +134,7 @@ std::uint32_t AppendLevels(const Image& finest, const Value& value, bool one_lev
   };
   append(finest, value);
   if (one_level || (finest.width == 1 && finest.height == 1)) return 1;
-  Image image = HalfOf(finest, value);
+  CompactImage image = HalfOf(finest, value);
   for (std::uint32_t count = 2;; ++count) {
     append(image, Itself);
     if (image.width == 1 && image.height == 1) return count;
@@ -140,7 +143,7 @@ std::uint32_t AppendLevels(const Image& finest, const Value& value, bool one_lev
 }
 
 // Returns the number of texels of all levels of an image.
-std::size_t TexelsOfLevels(const Image& image, bool one_level) {
+std::size_t TexelsOfLevels(const CompactImage& image, bool one_level) {
   std::size_t width = std::size_t(image.width), height = std::size_t(image.height);
   std::size_t texels = width * height;
   while (!one_level && width * height > 1) {
@@ -156,7 +159,7 @@ struct Pyramid {
   float slope;
 };
 
-Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables& tables,
+Pyramid AppendPyramid(const CompactImage& image, const Texture& texture, TextureTables& tables,
                       const std::string& path) {
   Pyramid pyramid = {.first = std::uint32_t(tables.levels.size()), .count = 0, .slope = 1};
   const bool one_level = texture.one_level;
@@ -165,7 +168,8 @@ Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables&
       pyramid.count = AppendLevels(image, Itself, one_level, PackTexel, tables, path);
       break;
     case TextureUse::kOpacity:
-      pyramid.count = AppendLevels(Grey(image), Itself, one_level, PackTexel, tables, path);
+      pyramid.count =
+          AppendLevels(Grey(image.Floats()), Itself, one_level, PackTexel, tables, path);
       break;
     case TextureUse::kNormals:
     case TextureUse::kPbrtNormals:
@@ -201,7 +205,7 @@ TriangleAxes ImageAxes(const Mesh& mesh, const glm::uvec3& corners, const Textur
 
 }  // namespace
 
-Image HalfSize(const Image& image) { return HalfOf(image, Itself); }
+Image HalfSize(const CompactImage& image) { return HalfOf(image, Itself); }
 
 TextureView TextureTables::view() const {
   if (records.empty()) return {};
@@ -242,7 +246,7 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   tables.texels.reserve(std::min(texels, kMaxTexels));
   std::map<Key, Pyramid> pyramids;
   for (const Texture& texture : scene.textures) {
-    const Image& image = scene.images[texture.image];
+    const CompactImage& image = scene.images[texture.image];
     const Key key = key_of(texture);
     auto pyramid = pyramids.find(key);
     if (pyramid == pyramids.end()) {

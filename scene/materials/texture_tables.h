@@ -50,6 +50,6 @@ TriangleSlopes MakeTriangleSlopes(const Mesh& mesh, const glm::uvec3& corners,
 
 // Returns `image` halved in both directions, to one texel at least: each texel is the mean over its
 // area.
-Image HalfSize(const Image& image);
+Image HalfSize(const CompactImage& image);
 
 }  // namespace skywave

@@ -211,10 +211,10 @@ std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_o
 }
 
 // Tests whether the image is grey, allowing for the artefacts of JPEG.
-bool IsGrey(const Image& image) {
+bool IsGrey(const CompactImage& image) {
   constexpr float kNoise = 0.05f;
-  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-    const auto [low, high] = std::minmax({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+  for (std::size_t i = 0; i < image.values(); i += 3) {
+    const auto [low, high] = std::minmax({image.Value(i), image.Value(i + 1), image.Value(i + 2)});
     if (high - low > kNoise) return false;
   }
   return true;
@@ -256,7 +256,7 @@ void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFil
                              word == kReliefMaps.end() ? "bump" : *word, textures, warnings);
   if (!read) return;
   const std::uint32_t index = *read;
-  const Image& image = textures.scene->images[index];
+  const CompactImage& image = textures.scene->images[index];
   const bool heights = bumped && IsGrey(image);
   material.normal_texture =
       AddMap(index, heights ? TextureUse::kHeights : TextureUse::kNormals, option, textures);
@@ -305,7 +305,7 @@ std::optional<std::uint32_t> PhysicalMap(const tinyobj::material_t& mtl, const E
                "map_Pr and map_Pm lie differently: the plain values are used");
     return std::nullopt;
   }
-  const Image& image = textures.scene->images[baked->image];
+  const CompactImage& image = textures.scene->images[baked->image];
   textures.baked_texels += std::size_t(image.width) * std::size_t(image.height);
   if (textures.baked_texels > kMaxBakedTexels) {
     throw InputError(At(entry, rough ? "map_Pr" : "map_Pm"),

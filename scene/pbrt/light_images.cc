@@ -17,7 +17,7 @@ namespace {
 
 // Returns the equal-area square (LightMapping::kSphere) of a lat-long image whose first row is
 // about +z, and whose columns turn from +x to +y.
-Image SquareOfLatLong(const Image& latlong) {
+Image SquareOfLatLong(const CompactImage& latlong) {
   constexpr int kPoints = 2;  // along each side of a texel
   Texture around;
   around.wrap_v = TextureWrap::kClamp;
@@ -86,8 +86,8 @@ PbrtSphereImage SphereImageOf(PbrtReader& reader, const PbrtParameters& paramete
   const auto key = std::pair(given.index, given.v4);
   const auto known = reader.sphere_images.find(key);
   if (known != reader.sphere_images.end()) return known->second;
-  const Image& source = reader.scene.images[given.index];
-  Image image = given.v4 ? source : SquareOfLatLong(source);
+  const CompactImage& source = reader.scene.images[given.index];
+  Image image = given.v4 ? source.Floats() : SquareOfLatLong(source);
   if (image.width != image.height) {
     throw InputError(parameters.position,
                      fmt::format("{}: its image of {} x {} is not an equal-area square",

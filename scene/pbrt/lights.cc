@@ -169,16 +169,14 @@ void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
     throw InputError(parameters.position,
                      fmt::format("{}: \"fov\" is {}", parameters.directive, fov));
   }
-  const Image& image = reader.scene.images[index];
+  const CompactImage& image = reader.scene.images[index];
   const glm::dvec2 size(image.width, image.height);
   const glm::dvec2 half = std::tan(glm::radians(double(fov)) / 2) * size / std::min(size.x, size.y);
   double sum = 0;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const glm::dvec2 at = (2.0 * (glm::dvec2(x, y) + 0.5) / size - 1.0) * half;
-      const float* const rgb =
-          &image.rgb[3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x))];
-      sum += double(Luminance(rgb)) * std::pow(1 + glm::dot(at, at), -1.5);
+      sum += double(Luminance(image.Pixel(x, y).data())) * std::pow(1 + glm::dot(at, at), -1.5);
     }
   }
   SetPower(parameters, 4 * half.x * half.y * sum / (size.x * size.y), light);
@@ -305,16 +303,16 @@ double Area(const Mesh& mesh) {
   return area;
 }
 
-const Image& ImageOf(const Scene& scene, std::uint32_t texture) {
+const CompactImage& ImageOf(const Scene& scene, std::uint32_t texture) {
   return scene.images[scene.textures[texture].image];
 }
 
-double MeanLuminance(const Image& image) {
+double MeanLuminance(const CompactImage& image) {
   double sum = 0;
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-    sum += double(kLuminance[i % 3]) * double(image.rgb[i]);
+  for (std::size_t i = 0; i < image.values(); ++i) {
+    sum += double(kLuminance[i % 3]) * double(image.Value(i));
   }
-  return sum / (double(image.rgb.size()) / 3);
+  return sum / (double(image.values()) / 3);
 }
 
 }  // namespace

@@ -55,10 +55,10 @@ Material Matte(Context& context) {
 glm::vec3 Brightest(const Context& context, const std::optional<std::uint32_t>& texture) {
   if (!texture) return glm::vec3(1);
   const Scene& scene = context.reader.scene;
-  const Image& image = scene.images[scene.textures[*texture].image];
+  const CompactImage& image = scene.images[scene.textures[*texture].image];
   glm::vec3 most(0);
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-    most[int(i % 3)] = std::max(most[int(i % 3)], image.rgb[i]);
+  for (std::size_t i = 0; i < image.values(); ++i) {
+    most[int(i % 3)] = std::max(most[int(i % 3)], image.Value(i));
   }
   return most;
 }

@@ -63,8 +63,8 @@ PbrtSolid AsSolid(PbrtReader& reader, const PbrtTexture& texture) {
   const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
   if (!texture.image) return [factor](const PbrtPoint&) { return factor; };
   const Texture source = reader.scene.textures[*texture.image];
-  std::shared_ptr<const Image>& image = reader.images_in_space[source.image];
-  if (!image) image = std::make_shared<const Image>(reader.scene.images[source.image]);
+  std::shared_ptr<const CompactImage>& image = reader.images_in_space[source.image];
+  if (!image) image = std::make_shared<const CompactImage>(reader.scene.images[source.image]);
   return [factor, source, image](const PbrtPoint& point) {
     const glm::dvec2 at = glm::dmat3x2(source.transform) * glm::dvec3(point.uv, 1);
     return factor * LookUpImage(*image, source, glm::dvec2(Bounded(at.x), Bounded(at.y)));

@@ -142,7 +142,7 @@ struct PbrtReader {
   std::optional<std::uint32_t> checker_image;  // index into Scene::images
   std::size_t baked_texels = 0;
   // The images of the scene that textures in space look up, by index.
-  std::map<std::uint32_t, std::shared_ptr<const Image>> images_in_space;
+  std::map<std::uint32_t, std::shared_ptr<const CompactImage>> images_in_space;
   // The images of lights in all directions, by the file's image and whether it is pbrt-v4's.
   std::map<std::pair<std::uint32_t, bool>, PbrtSphereImage> sphere_images;
 };

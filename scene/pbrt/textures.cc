@@ -123,7 +123,7 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
          "square: its users take their default");
     return {};
   }
-  const Image& image = reader.scene.images[baked->image];
+  const CompactImage& image = reader.scene.images[baked->image];
   reader.baked_texels += std::size_t(image.width) * std::size_t(image.height);
   if (reader.baked_texels > kMaxBakedTexels) {
     throw InputError(parameters.position,
@@ -347,16 +347,16 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
   if (!texture.image) return texture;
   const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
   const Texture source = reader.scene.textures[*texture.image];
-  const Image& image = reader.scene.images[source.image];
+  const CompactImage& image = reader.scene.images[source.image];
   bool exceeds = false;
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-    exceeds = exceeds || factor[int(i % 3)] * image.rgb[i] > 1;
+  for (std::size_t i = 0; i < image.values(); ++i) {
+    exceeds = exceeds || factor[int(i % 3)] * image.Value(i) > 1;
   }
   if (!exceeds) return texture;
   const auto key = std::tuple(*texture.image, factor.x, factor.y, factor.z);
   const auto [known, is_new] = reader.clamped_textures.try_emplace(key, 0);
   if (is_new) {
-    Image clamped = image;
+    Image clamped = image.Floats();
     for (std::size_t i = 0; i < clamped.rgb.size(); ++i) {
       clamped.rgb[i] = std::min(factor[int(i % 3)] * clamped.rgb[i], 1.0f);
     }
@@ -370,7 +370,7 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
 std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted) {
   const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
   Texture copy = reader.scene.textures[*texture.image];
-  Image shares = reader.scene.images[copy.image];
+  Image shares = reader.scene.images[copy.image].Floats();
   for (std::size_t i = 0; i < shares.rgb.size(); i += 3) {
     float* const rgb = &shares.rgb[i];
     const float mean = (factor.x * rgb[0] + factor.y * rgb[1] + factor.z * rgb[2]) / 3;

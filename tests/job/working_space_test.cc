@@ -136,7 +136,7 @@ TEST(WorkingSpace, ImagesOfColoursAreConvertedAndNumbersStay) {
   scene.meshes.back().colors.assign(scene.meshes.back().positions.size(), kBlue);
   ConvertScene(RgbSpace::kAcescg, scene);
   const auto color_of = [&](const std::optional<std::uint32_t>& texture) {
-    const std::vector<float>& rgb = scene.images[scene.textures[*texture].image].rgb;
+    const std::vector<float> rgb = scene.images[scene.textures[*texture].image].Floats().rgb;
     return glm::vec3(rgb[0], rgb[1], rgb[2]);
   };
   ExpectColor(color_of(scene.materials[0].color_texture), In(RgbSpace::kAcescg, kRed), 1e-5f);

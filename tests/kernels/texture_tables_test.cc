@@ -44,7 +44,7 @@ TEST(TextureTables, ColoursOfVerticesGoWithTheirCorners) {
 
 TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
   Scene scene;
-  scene.images.emplace_back(1, 1);
+  scene.images.push_back(Image(1, 1));
   scene.textures = {{}};
   Mesh mesh = Quad(1);
   // The winding opposes the normals, as in a mirrored instance.
@@ -70,7 +70,7 @@ TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
 // mixtures, which have records of their own, have both, too.
 TEST(TextureTables, TexturesTakeTheCoordinatesOfTheirSet) {
   Scene scene;
-  scene.images.emplace_back(1, 1);
+  scene.images.push_back(Image(1, 1));
   scene.textures = {{}, {.uv_set = UvSet::kSecond}};
   Mesh mesh = Quad(1);
   for (const glm::vec2& uv : mesh.uvs) mesh.second_uvs.push_back(2.0f * uv + 0.25f);
@@ -104,7 +104,7 @@ TEST(TextureTables, MissingImagesAndBadTransformsAreRefused) {
   EXPECT_THROW(Geometry(scene, "test"), InputError);
   scene.textures = {{.image = 0}};
   EXPECT_THROW(Geometry(scene, "test"), InputError);
-  scene.images.emplace_back(2, 2);
+  scene.images.push_back(Image(2, 2));
   EXPECT_NO_THROW(Geometry(scene, "test"));
   scene.textures[0].transform[2][0] = NAN;
   EXPECT_THROW(Geometry(scene, "test"), InputError);

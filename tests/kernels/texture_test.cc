@@ -149,7 +149,7 @@ class TextureRows : public testing::Test {
     const glm::dvec2 uv(b0 * t.uv[0][0] + b1 * t.uv[1][0] + b2 * t.uv[2][0],
                         b0 * t.uv[0][1] + b1 * t.uv[1][1] + b2 * t.uv[2][1]);
     const Texture& texture = scene_.textures[index];
-    const Image& image = scene_.images[texture.image];
+    const CompactImage& image = scene_.images[texture.image];
     const glm::dmat3x2 m(texture.transform);
     const double scale =
         std::sqrt(std::abs(m[0][0] * m[1][1] - m[1][0] * m[0][1]) * image.width * image.height);
@@ -159,7 +159,7 @@ class TextureRows : public testing::Test {
     const double wanted = texture.one_level ? 0 : std::max(0.0, std::log2(texels));
     certain = wanted == 0 || std::abs(wanted - std::round(wanted)) > 1e-4;
     // The pyramid is rebuilt here.
-    Image level = image;
+    Image level = image.Floats();
     for (int k = 0; k < int(wanted) && (level.width > 1 || level.height > 1); ++k) {
       level = HalfSize(level);
     }

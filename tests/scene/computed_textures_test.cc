@@ -73,7 +73,7 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
                             "\"mix\" \"texture tex1\" \"t\" \"texture tex2\" \"u\"";
   const Scene scene = Read(finer, "Material \"matte\" \"texture Kd\" \"x\"");
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
-  const Image& baked = scene.images.back();
+  const CompactImage& baked = scene.images.back();
   EXPECT_EQ(baked.width, 4);
   EXPECT_EQ(baked.height, 4);
 }

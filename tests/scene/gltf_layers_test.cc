@@ -42,7 +42,7 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_EQ(partly.materials[Body(partly).mixture->first].bsdf, BsdfKind::kMetallicRoughness);
   EXPECT_EQ(partly.materials[Body(partly).mixture->second].coat, 1);
   const auto& shares = partly.textures.at(Body(partly).mixture_texture.value());
-  EXPECT_FLOAT_EQ(partly.images[shares.image].rgb[0], 0.5f * 128 / 255);
+  EXPECT_FLOAT_EQ(partly.images[shares.image].Floats().rgb[0], 0.5f * 128 / 255);
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
@@ -98,7 +98,7 @@ class GltfLayers : public Gltf {
     return Read(document);
   }
   static float Red(const Scene& scene, std::optional<std::uint32_t> texture) {
-    return scene.images[scene.textures.at(texture.value()).image].rgb[0];
+    return scene.images[scene.textures.at(texture.value()).image].Floats().rgb[0];
   }
   const json texture_ = {{"index", 0}};
 };

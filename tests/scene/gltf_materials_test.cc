@@ -39,7 +39,7 @@ TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   EXPECT_NEAR(at.x, 30.25, 1e-5);
   EXPECT_NEAR(at.y, -1.5, 1e-5);
   EXPECT_EQ(scene.textures[*paint.roughness_texture].wrap_u, TextureWrap::kRepeat);
-  EXPECT_EQ(scene.images[color.image].rgb, (std::vector<float>{1, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(scene.images[color.image].Floats().rgb, (std::vector<float>{1, 0, 0, 0, 1, 0}));
   EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
 }
 
@@ -58,7 +58,8 @@ TEST_F(Gltf, TexturesAreEncodedAsTheirUseSays) {
   const Scene scene = Read(document);
   const Material& paint = scene.materials[0];
   const auto seen = [&](const std::optional<std::uint32_t>& texture) {
-    const std::vector<float>& rgb = scene.images[scene.textures.at(texture.value()).image].rgb;
+    const std::vector<float> rgb =
+        scene.images[scene.textures.at(texture.value()).image].Floats().rgb;
     return glm::vec3(rgb[0], rgb[1], rgb[2]);
   };
   const glm::vec3 decoded(0.2158605f, 0.0512695f, 1), plain(128 / 255.0f, 64 / 255.0f, 1);
@@ -127,7 +128,8 @@ TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
   ASSERT_TRUE(paint.opacity_texture);
   const Texture& texture = scene.textures[*paint.opacity_texture];
   EXPECT_EQ(texture.use, TextureUse::kOpacity);
-  EXPECT_EQ(scene.images[texture.image].rgb, (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
+  EXPECT_EQ(scene.images[texture.image].Floats().rgb,
+            (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
   EXPECT_TRUE(scene.warnings.empty());
 }
 
@@ -362,13 +364,13 @@ TEST_F(Gltf, TransmissionHasTheTexturesOfTheMaterial) {
   const Scene scene = Read(document);
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   const auto shares = [&](const Material& of) {
-    return scene.images[scene.textures.at(of.mixture_texture.value()).image].rgb;
+    return scene.images[scene.textures.at(of.mixture_texture.value()).image].Floats().rgb;
   };
   const Material whole = Body(scene);
   EXPECT_EQ(shares(whole), (std::vector<float>{0, 0, 0, 0.5f, 0.5f, 0.5f}));
   const Material metal = scene.materials[whole.mixture->second];
   EXPECT_EQ(metal.metallic, 1);
-  EXPECT_EQ(scene.images[scene.textures[*metal.roughness_texture].image].rgb,
+  EXPECT_EQ(scene.images[scene.textures[*metal.roughness_texture].image].Floats().rgb,
             (std::vector<float>{0, 128 / 255.0f, 1, 0, 128 / 255.0f, 1}));
   const Material dielectric = scene.materials[whole.mixture->first];
   EXPECT_EQ(shares(dielectric), (std::vector<float>{0.5f, 0.5f, 0.5f, 0.1f, 0.1f, 0.1f}));
@@ -429,7 +431,7 @@ TEST_F(Gltf, SpecularGlossinessIsConverted) {
   const Scene scene = Read(document);
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   const auto texels = [&](std::optional<std::uint32_t> texture) {
-    return scene.images[scene.textures.at(texture.value()).image].rgb;
+    return scene.images[scene.textures.at(texture.value()).image].Floats().rgb;
   };
   const std::vector<float> widths = texels(Body(scene).roughness_texture);
   EXPECT_NEAR(widths[1], 0, 1e-6);

@@ -271,7 +271,7 @@ TEST_F(Gltf, NearestSamplersShowSquares) {
   document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   const Scene scene = Read(document);
   EXPECT_TRUE(scene.warnings.empty());
-  const Image& image = scene.images[scene.textures.at(0).image];
+  const CompactImage& image = scene.images[scene.textures.at(0).image];
   ASSERT_GE(image.width, 32);
   ASSERT_EQ(image.width, 2 * image.height);
   for (int x = 0; x < image.width; ++x) {

@@ -304,7 +304,7 @@ TEST(Mtl, MapsOfRoughnessAndMetalAreRead) {
     EXPECT_EQ(material.metallic, 1);
     EXPECT_EQ(WarningLines(warnings), std::vector<std::string>{});
     const Texture& texture = scene.textures.at(material.roughness_texture.value());
-    const float* const rgb = scene.images.at(texture.image).Pixel(x, 0);
+    const auto rgb = scene.images.at(texture.image).Pixel(x, 0);
     return glm::vec3(rgb[0], rgb[1], rgb[2]);
   };
   ExpectNear(texel("Pm .5\nPr .7\nmap_Pr rough.png\nmap_Pm metal.png\n", 0), {0, 0.2f, 0.4f});

@@ -81,7 +81,12 @@ TEST(SceneHash, DependsOnEveryVisibleNumber) {
       {"object", [](Scene& s) { s.instances[0].object = 1; }},
       {"place of an instance", [](Scene& s) { s.instances[0].world_from_object[3].y = 1; }},
       {"measured BRDF", [](Scene& s) { s.measured[0].rgb[1] = 3; }},
-      {"image", [](Scene& s) { s.images[0].rgb[5] = 1; }},
+      {"image",
+       [](Scene& s) {
+         Image image = s.images[0].Floats();
+         image.rgb[5] = 1;
+         s.images[0] = image;
+       }},
       {"image of a texture", [](Scene& s) { s.textures[0].image = 1; }},
       {"wrap along u", [](Scene& s) { s.textures[0].wrap_u = TextureWrap::kClamp; }},
       {"wrap along v", [](Scene& s) { s.textures[0].wrap_v = TextureWrap::kClamp; }},
@@ -122,6 +127,15 @@ TEST(SceneHash, DependsOnWhetherATextureHasLevels) {
   const std::uint64_t hash = SceneHash({.textures = {texture}});
   texture.one_level = true;
   EXPECT_NE(SceneHash({.textures = {texture}}), hash);
+}
+
+TEST(SceneHash, OfAnImageIsThatOfItsFloatsWhicheverFormItHas) {
+  Scene bytes, floats;
+  bytes.images = {CompactImage(2, 1, {0, 50, 255, 128, 7, 9}, Encoding::kSrgb)};
+  floats.images = {bytes.images[0].Floats()};
+  EXPECT_EQ(SceneHash(bytes), SceneHash(floats));
+  bytes.images = {CompactImage(2, 1, {0, 50, 255, 128, 7, 9}, Encoding::kLinear)};
+  EXPECT_NE(SceneHash(bytes), SceneHash(floats));
 }
 
 TEST(SceneHash, DoesNotDependOnNames) {

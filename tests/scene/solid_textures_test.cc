@@ -306,7 +306,8 @@ TEST(SolidTextures, SlopesAreFinite) {
       "\"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 0 1 0]");
   const Material& material = scene.materials[scene.meshes.at(0).material];
   EXPECT_EQ(material.normal_scale, 1e6f);
-  for (const float value : scene.images.at(0).rgb) ASSERT_TRUE(std::isfinite(value));
+  const Image image = scene.images.at(0).Floats();
+  for (const float value : image.rgb) ASSERT_TRUE(std::isfinite(value));
 }
 
 // The alpha of a shape is its own: another shape of the same material is opaque. What varies on
@@ -383,8 +384,8 @@ TEST(SolidTextures, LeaveTexelsForOthers) {
   const Scene four = ParseAll(checks + shape(100) + shape(100) + shape(100) + shape(100));
   ASSERT_EQ(four.images.size(), 4u);
   std::size_t left = std::size_t{1} << 25;
-  for (const Image& image : four.images) {
-    const std::size_t texels = image.rgb.size() / 3;
+  for (const CompactImage& image : four.images) {
+    const std::size_t texels = image.values() / 3;
     EXPECT_LE(texels, left / 4);
     left -= texels;
   }
@@ -392,7 +393,7 @@ TEST(SolidTextures, LeaveTexelsForOthers) {
   // than twice that. Ten triangles alone would have squares of 512 texels a side.
   const Scene both = ParseAll(checks + "\"texture displacement\" \"n\" " + shape(10));
   ASSERT_EQ(both.images.size(), 2u);
-  for (const Image& image : both.images) EXPECT_LT(image.rgb.size() / 3, (1u << 25) / 8);
+  for (const CompactImage& image : both.images) EXPECT_LT(image.values() / 3, (1u << 25) / 8);
 }
 
 // A mesh without triangles shows no texture, and is no reason for a warning.

@@ -67,12 +67,12 @@ TEST_F(PbrtTextureFiles, AreSharesOfMixtures) {
     const Scene scene = Read(map(type), two + names);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
     const Material& material = scene.materials.at(scene.meshes.at(0).material);
-    return scene.images[scene.textures[material.mixture_texture.value()].image];
+    return scene.images[scene.textures[material.mixture_texture.value()].image].Floats();
   };
   const std::string named = "\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"";
   const Image v4 = shares("float", "\"string materials\" [\"a\" \"b\"]");
   const Image v3 = shares("float", named), of_color = shares("color", named);
-  const Image plain = Read(map("color"), "").images.at(0);
+  const Image plain = Read(map("color"), "").images.at(0).Floats();
   ASSERT_EQ(v4.rgb.size(), plain.rgb.size());
   for (std::size_t i = 0; i < v4.rgb.size(); i += 3) {
     const float mean = 0.5f * (plain.rgb[i] + plain.rgb[i + 1] + plain.rgb[i + 2]) / 3;
@@ -113,7 +113,7 @@ TEST_F(PbrtTextureFiles, RoughnessOfCoats) {
     const Material& coated = scene.materials.at(scene.meshes.at(0).material);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
     EXPECT_EQ(coated.alpha, 1);
-    const float* const rgb =
+    const auto rgb =
         scene.images.at(scene.textures.at(coated.roughness_texture.value()).image).Pixel(0, 0);
     return glm::vec3(rgb[0], rgb[1], rgb[2]);
   };
@@ -135,7 +135,7 @@ TEST_F(PbrtTextureFiles, RoughnessOfCoats) {
            "\"bool remaproughness\" false");
   EXPECT_EQ(two.warnings.size(), 1u);
   const Material& round = two.materials.at(two.meshes.at(0).material);
-  const float* const rgb =
+  const auto rgb =
       two.images.at(two.textures.at(round.roughness_texture.value()).image).Pixel(0, 0);
   EXPECT_NEAR(std::pow(rgb[1], 4.0f), alpha * alpha / 2, 1e-5f);
 }
@@ -233,7 +233,7 @@ TEST_F(PbrtTextureFiles, OfFloatsAreAlphaWhereThereIsOne) {
              "type\" \"mirror\" Material \"mix\" \"texture amount\" \"f\" \"string materials\" "
              "[\"a\" \"b\"]");
     const Material& material = scene.materials.at(scene.meshes.at(0).material);
-    return scene.images[scene.textures[material.mixture_texture.value()].image].rgb;
+    return scene.images[scene.textures[material.mixture_texture.value()].image].Floats().rgb;
   };
   const std::vector<float> linear = shares(" \"string encoding\" \"linear\""), srgb = shares("");
   ASSERT_EQ(linear.size(), 6u);
@@ -268,7 +268,7 @@ TEST_F(PbrtTextureFiles, OfFloatsAreAlphaBesideThreeColoursOnly) {
     const Scene scene =
         Read("Texture \"f\" \"float\" \"imagemap\" \"string filename\" \"" + file + "\"",
              "Shape \"sphere\" \"texture alpha\" \"f\"");
-    const std::vector<float>& rgb = scene.images.at(scene.textures.at(0).image).rgb;
+    const std::vector<float> rgb = scene.images.at(scene.textures.at(0).image).Floats().rgb;
     return std::pair(rgb.at(0), rgb.at(3));
   };
   const std::string linear = "\" \"string encoding\" \"linear",
@@ -299,7 +299,7 @@ TEST_F(PbrtTextureFiles, OfTgaHaveColorsAlone) {
   const auto texels = [](const Scene& scene, std::optional<std::uint32_t> Material::*use) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
     const Material& material = scene.materials.at(scene.meshes.at(0).material);
-    return scene.images[scene.textures[(material.*use).value()].image].rgb;
+    return scene.images[scene.textures[(material.*use).value()].image].Floats().rgb;
   };
   const auto color = [&](const std::string& encoding) {
     return texels(Read(map("spectrum", encoding), "Material \"matte\" \"texture Kd\" \"t\""),
@@ -352,13 +352,13 @@ TEST(MtlTextures, AlphaAndReliefAreOfEveryMaterialButGlass) {
   EXPECT_EQ(material(holes).opacity, 0.75f);
   ASSERT_TRUE(material(holes).opacity_texture);
   const Texture& texture = holes.textures[*material(holes).opacity_texture];
-  EXPECT_FLOAT_EQ(holes.images[texture.image].rgb[0], 0.2f) << "numbers, no sRGB";
+  EXPECT_FLOAT_EQ(holes.images[texture.image].Floats().rgb[0], 0.2f) << "numbers, no sRGB";
   EXPECT_TRUE(material(read("Kd 1 1 1\nd 1")).opaque());
   folder.Write("leaf.tga", TgaFile(2, std::string("abc\x33gh\xff\xff", 8)));
   const Scene leaf = read("Kd 1 1 1\nmap_Kd leaf.tga\nmap_d leaf.tga");
   ASSERT_TRUE(material(leaf).opacity_texture);
   const Texture& alpha = leaf.textures[*material(leaf).opacity_texture];
-  EXPECT_FLOAT_EQ(leaf.images[alpha.image].rgb[0], 0.2f);
+  EXPECT_FLOAT_EQ(leaf.images[alpha.image].Floats().rgb[0], 0.2f);
 
   const Scene bumps = read("Kd 1 1 1\nbump -bm 3 grey.png");
   ASSERT_TRUE(material(bumps).normal_texture);

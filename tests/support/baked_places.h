@@ -27,7 +27,7 @@ inline std::vector<Place> Places(
   const Material& material = scene.materials[mesh.material];
   const Texture& texture = scene.textures[(material.*which).value()];
   const glm::vec3 factor = which == &Material::color_texture ? material.reflectance : glm::vec3(1);
-  const Image& image = scene.images[texture.image];
+  const CompactImage& image = scene.images[texture.image];
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
   std::vector<Place> places;
@@ -39,7 +39,7 @@ inline std::vector<Place> Places(
         return (1 - u - v) * of[t.x] + u * of[t.y] + v * of[t.z];
       };
       const glm::vec2 at = texture.transform * glm::vec3(blend(mesh.uvs), 1);
-      const float* texel =
+      const auto texel =
           image.Pixel(glm::clamp(int(at.x * float(image.width)), 0, image.width - 1),
                       glm::clamp(int(at.y * float(image.height)), 0, image.height - 1));
       places.push_back({blend(mesh.positions),

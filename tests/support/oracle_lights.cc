@@ -25,18 +25,17 @@ double Falloff(const PunctualLight& light, double cosine) {
 }
 
 // Returns the texel at (s, t) of the unit square, t downwards.
-dvec3 Texel(const Image& image, double s, double t) {
+dvec3 Texel(const CompactImage& image, double s, double t) {
   const auto at = [](double x, int count) {
     return std::clamp(int(std::floor(x * count)), 0, count - 1);
   };
-  const int place = 3 * (at(t, image.height) * image.width + at(s, image.width));
-  const float* const rgb = &image.rgb[std::size_t(place)];
+  const auto rgb = image.Pixel(at(s, image.width), at(t, image.height));
   return {rgb[0], rgb[1], rgb[2]};
 }
 
 }  // namespace
 
-dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<Image>& images,
+dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<CompactImage>& images,
                         const dvec3& direction) {
   if (light.kind == LocalLightKind::kPoint) return dvec3(1);
   if (light.kind == LocalLightKind::kSpot) {
@@ -45,7 +44,7 @@ dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<Image>& im
   const LightForm& form = light.form.value();
   const dvec3 d = glm::normalize(glm::inverse(glm::dmat3(form.world_from_light)) * direction);
   if (form.mapping == LightMapping::kCone) return dvec3(Falloff(light, d.z));
-  const Image& image = images.at(form.image.value());
+  const CompactImage& image = images.at(form.image.value());
   if (form.mapping == LightMapping::kPlane) {
     const double x = d.x / d.z / form.half_size.x, y = d.y / d.z / form.half_size.y;
     if (d.z <= 0 || std::abs(x) > 1 || std::abs(y) > 1) return dvec3(0);

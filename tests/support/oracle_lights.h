@@ -13,7 +13,7 @@ namespace skywave {
 
 // Returns what a point, a spot or a shaped light sends into a direction of the world (any length),
 // over its emission.
-glm::dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<Image>& images,
+glm::dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<CompactImage>& images,
                              const glm::dvec3& direction);
 
 class OracleLocalLights {
@@ -27,7 +27,7 @@ class OracleLocalLights {
 
   OracleLocalLights() = default;
   OracleLocalLights(std::vector<Triangle> triangles, std::vector<PunctualLight> lights,
-                    std::vector<Image> images)
+                    std::vector<CompactImage> images)
       : triangles_(std::move(triangles)), lights_(std::move(lights)), images_(std::move(images)) {}
   bool empty() const { return triangles_.empty() && lights_.empty(); }
 
@@ -50,7 +50,7 @@ class OracleLocalLights {
  private:
   std::vector<Triangle> triangles_;
   std::vector<PunctualLight> lights_;
-  std::vector<Image> images_;
+  std::vector<CompactImage> images_;
 };
 
 }  // namespace skywave
