@@ -2,8 +2,8 @@
 """Tries `skywave bench --compare` on a machine: how often does it cry wolf, and how often does it
 see a program that is slower?
 
-    bench/compare_trials.py SKYWAVE --pairs 400 --load 1     equal pairs, another program now and then
-    bench/compare_trials.py SKYWAVE --pairs 100              on a machine that does nothing else
+    bench/compare_trials.py SKYWAVE --pairs 400 --load 1    # another program runs now and then
+    bench/compare_trials.py SKYWAVE --pairs 100             # the machine does nothing else
 
 Each pair is two runs of the same program. It is compared as it is, where `slower` is a false alarm,
 and with the times of the second run multiplied by 1.1, where it is right.

@@ -76,8 +76,9 @@ def table(results):
     for scene, result in results.items():
         first, *others = result["strategies"]
         last = first["budgets"][-1]
-        lines.append(f"| {scene} | {SCENES[scene]} | {last['error']:.2g} | {last['seconds']:.2g} | " +
-                     " | ".join(cell(first, other) for other in others) + " |")
+        cells = [scene, SCENES[scene], f"{last['error']:.2g}", f"{last['seconds']:.2g}"]
+        cells += [cell(first, other) for other in others]
+        lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 

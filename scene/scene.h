@@ -194,8 +194,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;
-  std::vector<CompactImage>
-      images;  // those of textures and lights: linear RGB, or numbers as they are
+  // Those of textures and lights: linear RGB, or numbers as they are.
+  std::vector<CompactImage> images;
   std::optional<Camera> camera;
   std::vector<NamedCamera> cameras;  // all those of a file that names them, the one above first
   std::vector<AnimationInfo> animations;

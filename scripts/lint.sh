@@ -25,6 +25,9 @@ if [[ ${1:-} == format ]]; then
   format=$(tool clang-format)
   [[ -n $format ]] || skip "there is no clang-format 14 (scripts/setup.sh test)"
   git ls-files -z '*.cc' '*.h' | xargs -0 "$format" --dry-run -Werror
+  git ls-files -z '*.py' | xargs -0 awk '
+    length > 100 { print FILENAME ":" FNR ": more than 100 columns" > "/dev/stderr"; wide = 1 }
+    END { exit wide }'
   echo "formatted as .clang-format says"
   exit 0
 fi

@@ -23,7 +23,7 @@ def read_png(path):
     raw, stride = zlib.decompress(compressed), width * 3
     rows, above = [], bytes(stride)
     for y in range(height):
-        mode, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        mode, *row = raw[y * (stride + 1):(y + 1) * (stride + 1)]
         for i in range(stride):
             a, b, c = (row[i - 3] if i > 2 else 0), above[i], (above[i - 3] if i > 2 else 0)
             p = a + b - c

@@ -12,8 +12,8 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "bench/measure", "api",
-           "cli"]
+FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "bench/measure",
+           "api", "cli"]
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 # | `wavefront/paths/` | what lives there | `stages/`, `film/` |
 ROOM = re.compile(r"^\| `((?:kernels|lights|scene|wavefront)/\w+)/` \|.*\|(.*)\|$", re.MULTILINE)

@@ -96,8 +96,8 @@ def render(asset, options, scratch):
     camera = camera_of(asset, options, scratch) if options.cycles else None
     if camera:
         command += ["--eye", triple(camera["eye"]), "--target", triple(camera["target"]),
-                    "--up", "0,1,0", "--fov", FIELD_OF_VIEW, "--max-depth", DEPTH, "--filter", "box",
-                    "--aovs", "coverage"]
+                    "--up", "0,1,0", "--fov", FIELD_OF_VIEW, "--max-depth", DEPTH,
+                    "--filter", "box", "--aovs", "coverage"]
     start = time.monotonic()
     try:
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True,

@@ -56,8 +56,8 @@ PROGRAMS = [
     Program("LuxCore", in_environment("luxcore"), f"LuxCore {SETUP}",
             package_version("luxcore", "pyluxcore"), MAPS, python_calls.luxcore,
             "its `stats.renderengine.time`, for the samples that were asked for",
-            "`PATHCPU`, `SOBOL`, no clamping, filter `NONE`; its own roulette, which is biased (2 % "
-            "too bright inside Sponza, 0.03 % without it); its metal has Schlick's shadows of "
+            "`PATHCPU`, `SOBOL`, no clamping, filter `NONE`; its own roulette, which is biased (2 "
+            "% too bright inside Sponza, 0.03 % without it); its metal has Schlick's shadows of "
             "facets; map interpolated"),
     Program("pbrt-v4", on_path("pbrt"), "pbrt is not installed", nothing, MAPS, command_calls.pbrt,
             "the whole process with all samples less that with one, times n / (n - 1)",

@@ -193,5 +193,5 @@ def for_right_handed(scene):
     def point(p):
         return (p[0], p[2], p[1])
 
-    return replace(scene, meshes=[reflected(mesh) for mesh in scene.meshes], eye=point(scene.eye), target=point(scene.target),
-                   up=point(scene.up))
+    return replace(scene, meshes=[reflected(mesh) for mesh in scene.meshes], eye=point(scene.eye),
+                   target=point(scene.target), up=point(scene.up))

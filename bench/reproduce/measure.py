@@ -86,8 +86,9 @@ class Session:
             say(f"reference {stem}")
             half_done = folder / f"{stem}.part.json"
             run([self.program, "converge", *self.scene, *self.common, "--integrator", integrator,
-                 "--light-samples", light_samples, "--strategies", "importance", "--budgets", 1, "--repeats", 2,
-                 "--reference-spp", samples, "--reference-strategy", table.reference_strategy,
+                 "--light-samples", light_samples, "--strategies", "importance", "--budgets", 1,
+                 "--repeats", 2, "--reference-spp", samples,
+                 "--reference-strategy", table.reference_strategy,
                  "--seed", 1000003, "--save-reference", picture,
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
@@ -149,7 +150,8 @@ class Session:
             command += ["--continuation-strategy", recipe.behind]
         if not recipe.mis:
             command.append("--no-mis")
-        return command + ["--seed", seed, "--stats", stats, "--tone", "contrast", "-o", picture, "-q"]
+        return command + ["--seed", seed, "--stats", stats, "--tone", "contrast", "-o", picture,
+                          "-q"]
 
     def measure(self, row, seed, reference, scene_hash, light_references):
         picture, stats = self.pictures / f"{row.name}.exr", self.pictures / "stats.json"

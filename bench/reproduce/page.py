@@ -1,4 +1,4 @@
-"""Draws a table's errors over times, as figure 8.2 of the thesis has them, and a page of all tables.
+"""Draws a table's errors over times, as figure 8.2 of the thesis has them, and a page of all.
 
 Everything on the page is in its file, so it can be read without a network. The dots are scattered
 and carry the numbers of their rows, which the curves of `skywave converge` do not have.
@@ -14,7 +14,7 @@ COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#00
 
 
 def power_fit(points):
-    """Returns (c, k) of error = c * seconds^k by least squares of logarithms; None if undetermined."""
+    """Returns (c, k) of error = c * seconds^k by least squares of logarithms, or None."""
     logs = [(math.log(t), math.log(e)) for t, e in points if t > 0 and e > 0]
     if len({x for x, _ in logs}) < 2:
         return None
@@ -126,7 +126,7 @@ def page(sections):
              "pre{overflow-x:auto;font-size:12px}svg{vertical-align:top}")
     return ("<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">"
             f"<title>Tables of the thesis</title><style>{style}</style><body>"
-            "<h1>Tables of the thesis, repeated</h1><p>Errors over times, with the power of time that "
-            "fits the rows of each method; then rows with high contrast, and the logarithm of "
+            "<h1>Tables of the thesis, repeated</h1><p>Errors over times, with the power of time "
+            "that fits the rows of each method; then rows with high contrast, and the logarithm of "
             "their squared error from a millionth of the scale (dark) to all of it.</p>"
             + "".join(sections) + "</body></html>\n")

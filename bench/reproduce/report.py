@@ -50,7 +50,8 @@ def figures_table(rows, of_thesis):
             cells += [number(thesis["seconds"], 6), number(thesis.get("squared_distance"), 6),
                       number(thesis.get("thesis_luminance"), 6)]
         cells += [number(mine.get("seconds")), number(mine.get("squared_distance"), 4),
-                  number(mine.get("squared_channel_sum"), 4), number(mine.get("thesis_luminance"), 4)]
+                  number(mine.get("squared_channel_sum"), 4),
+                  number(mine.get("thesis_luminance"), 4)]
         cells += [number(mine.get("relative_mse"), 4)] * photons
         cells.append(number(mine.get("light_error"), 4))
         lines.append(cells)
@@ -98,7 +99,7 @@ def pair_lines(summary):
 
 
 def wrapped(line):
-    """Lines of 100 columns at most; what must be one line, a table's row or a command, stays one."""
+    """Lines of 100 columns at most; a table's row or a command stays one line."""
     if line.startswith(("|", "`")):
         return line
     return textwrap.fill(line, 100, subsequent_indent="  " if line.startswith("- ") else "",

@@ -130,8 +130,8 @@ def warnings_of(summary):
                if row["ours"] and row["ours"]["squared_distance"] < 10 * own]
     warnings = list(summary["warnings"])
     if touched:
-        warnings.append("The reference's own error, which is taken off, is more than a tenth of that "
-                        "of rows " + ", ".join(touched))
+        warnings.append("The reference's own error, which is taken off, is more than a tenth of "
+                        "that of rows " + ", ".join(touched))
     return warnings
 
 

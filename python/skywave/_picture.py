@@ -54,9 +54,9 @@ class Picture:
         """Writes an EXR with all layers and the command that repeats it, a PNG, or a film.
 
         A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso).
-        If `exposure` (in stops) or `tone` (a value of that option) is given, these two replace all of
-        those options. The command is left out if the scene was not only read. A film holds the sums
-        of the samples, which `skywave merge` adds to those of other parts of the same picture.
+        If `exposure` (in stops) or `tone` (a value of that option) is given, these two replace all
+        of those options. The command is left out if the scene was not only read. A film holds the
+        sums of the samples, which `skywave merge` adds to those of other parts of the same picture.
         """
         ending = os.path.splitext(os.fsdecode(_convert.path(path, "path")))[1]
         if ending == ".png" and exposure is None and tone is None:

@@ -5,7 +5,7 @@ from ._errors import bad_argument, keywords, renamed
 
 
 def _looks(colors, alphas, material, name, object):
-    """Returns what add_mesh and add_points say of all vertices, as the extension module takes it."""
+    """Returns what add_mesh and add_points say of all vertices, for the extension module."""
     return (None if colors is None else _convert.rows(colors, "colors", 3),
             None if alphas is None else _convert.column(alphas, "alphas"),
             _convert.index(material, "material"), _convert.text(name, "name"),

@@ -68,7 +68,8 @@ def jpeg_size(data):
 
 class BatchPage(unittest.TestCase):
     def page(self, seeds):
-        """Returns the page of a batch of 4 * `seeds` pictures, half of which fail, and its folder."""
+        """Returns the page of a batch of 4 * `seeds` pictures, half of which fail, and its folder.
+        """
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         folder = pathlib.Path(scratch.name)

@@ -52,7 +52,8 @@ COMMANDS = {
         f"bench spheres {SMALL} --repetitions 1 --gates counters --baseline {{out}}/a.baseline "
         "--update-baseline new", ["a.baseline"]),
     "bench --sustain": (f"bench spheres {SMALL} --sustain 0.1 --json {{out}}/a.json", ["a.json"]),
-    "probe assemble": ("probe assemble in/sky.pfm in/sky.pfm --times 1/4,1 -o {out}/a.exr", ["a.exr"]),
+    "probe assemble": (
+        "probe assemble in/sky.pfm in/sky.pfm --times 1/4,1 -o {out}/a.exr", ["a.exr"]),
     "probe calibrate": ("probe calibrate --height 8 -o {out}/a.exr", ["a.exr"]),
     "probe convert to EXR": ("probe convert in/sky.pfm {out}/a.exr --to angular", ["a.exr"]),
     "probe convert to HDR": ("probe convert in/sky.pfm {out}/a.hdr --to angular", ["a.hdr"]),
@@ -78,8 +79,8 @@ PRINTING = [
     "compare in/noisy.exr in/noisy.exr", f"bench spheres {SMALL} --repetitions 1",
     f"bench spheres {SMALL} --counters", "batch in/job.toml --list",
     f"render spheres {SMALL} -o in/b.exr", f"render spheres {SMALL} -o in/b.exr --progress openjd",
-    "merge in/noisy.film -o in/b.exr", "denoise in/noisy.exr -o in/b.exr", "relight in/noisy.exr -o in/b.exr",
-    "probe convert in/sky.pfm in/b.exr --to angular"]
+    "merge in/noisy.film -o in/b.exr", "denoise in/noisy.exr -o in/b.exr",
+    "relight in/noisy.exr -o in/b.exr", "probe convert in/sky.pfm in/b.exr --to angular"]
 # Commands that print only to standard error, with their exit codes.
 TELLING = {
     "probe lights in/sky.pfm --output in/b.json": 0,
@@ -146,8 +147,8 @@ def setUpModule():
                                      + rows[4:])
     (folder / "job.toml").write_text('[base]\nscene = "spheres"\nsize = "24x16"\nspp = 1\n[axes]\n'
                                      'seed = "1-2"\n[output]\npath = "{seed}.exr"\n')
-    code, errors = run("render spheres --size 24x16 --spp 8 --aovs denoiser,lights -q -o in/noisy.exr "
-                       "--film in/noisy.film")
+    code, errors = run("render spheres --size 24x16 --spp 8 --aovs denoiser,lights -q "
+                       "-o in/noisy.exr --film in/noisy.film")
     assert code == 0, errors
     code, errors = run(COMMANDS["bench --update-baseline"][0].format(out="in"))
     assert code == 0, errors

@@ -32,7 +32,8 @@ DEFINITION = {
         ("TimesToRun", COUNT)],
     "TestProfile": [
         ("Version", r"\d\.\d{1,2}\.\d{1,2}"), ("SupportedPlatforms", r".{0,95}"),
-        ("SoftwareType", r"BaseTestProfile|Utility|Simulator|Scientific|Benchmark|Application|Game"),
+        ("SoftwareType",
+         r"BaseTestProfile|Utility|Simulator|Scientific|Benchmark|Application|Game"),
         ("TestType", r"System|Processor|Disk|Graphics|Memory|Network|OS|Other"),
         ("License", r"Free|Non-Free|Retail|Restricted"),
         ("Status", r"Verified|Unverified|Private|Broken|Experimental|Deprecated"),

@@ -133,7 +133,11 @@ class Slurm(unittest.TestCase):
         self.write_job("local.toml", "local", size, spp)
         self.skywave("batch", "local.toml", "-q")
         for seed in (1, 2):
-            self.assertEqual(read(self.path(f"out/{seed}.exr")), read(self.path(f"local/{seed}.exr")))
+            self.assertEqual(read(self.path(f"out/{seed}.exr")),
+                             read(self.path(f"local/{seed}.exr")))
+
+    def merged_pairs(self):
+        return read(self.path("farm/logs/finish.txt")).decode().count("merged 2 films")
 
     def test_parts_of_pictures_are_stopped_go_on_and_are_merged(self):
         # A part takes longer than Slurm needs to stop it, also beside other tests.
@@ -152,7 +156,7 @@ class Slurm(unittest.TestCase):
         self.assertEqual(glob.glob(self.path("farm/parts/*.checkpoint")), [])
         parts = sorted(glob.glob(self.path("farm/parts/*.film")))
         self.assertEqual(len(parts), 4)
-        self.assertEqual(read(self.path("farm/logs/finish.txt")).decode().count("merged 2 films"), 2)
+        self.assertEqual(self.merged_pairs(), 2)
         self.expect_local_bytes(size, spp)
         # What is there is neither rendered nor merged again; the batch knows the merged pictures.
         files = parts + glob.glob(self.path("out/*.exr"))
@@ -160,7 +164,7 @@ class Slurm(unittest.TestCase):
         self.remember(self.submit())
         self.finish()
         self.assertEqual([os.stat(path).st_mtime_ns for path in files], times)
-        self.assertEqual(read(self.path("farm/logs/finish.txt")).decode().count("merged 2 films"), 2)
+        self.assertEqual(self.merged_pairs(), 2)
 
     def test_pictures_are_stopped_and_go_on(self):
         size, spp = "160x120", 400

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Adds a BSDF, a light strategy, an integrator with an option, a table and a pass of its own, a policy
-that a pilot teaches, a layer and a flag to a copy of the tree, each as one new file and one line
-(docs/how_to_add.md), builds the program there and renders with them.
+"""Adds a BSDF, a light strategy, an integrator with an option, a table and a pass of its own, a
+policy that a pilot teaches, a layer and a flag to a copy of the tree, each as one new file and one
+line (docs/how_to_add.md), builds the program there and renders with them.
 
     extension_test.py SOURCE BUILD
 
@@ -107,8 +107,8 @@ def additions():
     add.line("wavefront/frame.h", "struct RenderOptions {\n", "  std::uint32_t twin = 7;\n")
     add.line("job/options.cc", "std::vector<JobOption> CommonRows() {\n"
              "  // clang-format off\n  return {\n",
-             '    Plain({.name = "twin", .help = "a number", .scope = kPixels, .example = "--twin 3"}'
-             ", FIELD(options.twin), Numbers(0u, 9u)),\n")
+             '    Plain({.name = "twin", .help = "a number", .scope = kPixels, '
+             '.example = "--twin 3"}, FIELD(options.twin), Numbers(0u, 9u)),\n')
     return add
 
 

@@ -255,7 +255,8 @@ class SilhouettesTest(Case):
     def test_bop_has_silhouettes_and_counts(self):
         picture = self.picture(*self.parts)
         bop = annotations.Bop("scene", metres=0.1)
-        bop.add(picture, self.camera, {name: (i, numpy.eye(4)) for i, name in enumerate(self.parts)})
+        bop.add(picture, self.camera,
+                {name: (i, numpy.eye(4)) for i, name in enumerate(self.parts)})
         bop.save()
         infos = json.loads(pathlib.Path("scene/scene_gt_info.json").read_text())["0"]
         self.assertEqual(len(infos), 2)  # the chip is not seen

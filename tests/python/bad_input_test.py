@@ -47,7 +47,8 @@ class BadInputTest(Case):
             self.refuse("^vertices$", "", add, wrong, FACES)
         self.refuse("^vertices$", "", add, [[0, 0, 0], [1, 1]], FACES)
         for value in (NAN, INFINITE, -INFINITE, 1e300):
-            self.refuse("^vertices$", "nan|inf", add, changed(VERTICES, (3, 1), value, float), FACES)
+            self.refuse("^vertices$", "nan|inf", add,
+                        changed(VERTICES, (3, 1), value, float), FACES)
 
     def test_points(self):
         add = skywave.Scene().add_points
@@ -91,7 +92,8 @@ class BadInputTest(Case):
         self.refuse("^object$", "none with number -2", scene.add_mesh, VERTICES, FACES, object=-2)
         self.refuse("^object$", "whole number", scene.add_instances, "o", good)
         self.refuse("^matrices$", r"shape is \(4, 4\)", scene.add_instances, part, good[0])
-        self.refuse("^matrices$", r"shape is \(1, 4, 3\)", scene.add_instances, part, good[:, :, :3])
+        self.refuse("^matrices$", r"shape is \(1, 4, 3\)", scene.add_instances, part,
+                    good[:, :, :3])
         self.refuse("^matrices$", "last row", scene.add_instances, part, 2 * good)
         self.refuse("^matrices$", "nan", scene.add_instances, part,
                     changed(good, (0, 1, 2), NAN))

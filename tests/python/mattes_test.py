@@ -1,5 +1,5 @@
-"""An independent decoder of Cryptomatte reads back what was rendered; scripts/test_python_packages.sh
-installs it."""
+"""An independent decoder of Cryptomatte reads back what was rendered;
+scripts/test_python_packages.sh installs it."""
 import unittest
 
 import cryptomatte_api

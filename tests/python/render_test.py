@@ -110,8 +110,8 @@ class RenderTest(Case):
     def test_changes_of_materials_are_a_list(self):
         changes = ["glass=mirror", "plaster=:reflectance=0.8/0.1/0.1"]
         picture = skywave.render("gallery", material=changes, orbit=30, **SMALL)
-        self.assert_same_bits(
-            picture.rgb, skywave.render("gallery", material=";".join(changes), orbit=30, **SMALL).rgb)
+        joined = skywave.render("gallery", material=";".join(changes), orbit=30, **SMALL)
+        self.assert_same_bits(picture.rgb, joined.rgb)
         plain = skywave.render("gallery", orbit=30, **SMALL)
         self.assertFalse(numpy.array_equal(picture.rgb, plain.rgb))
 
