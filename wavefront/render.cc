@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/clock.h"
+#include "base/counted_region.h"
 #include "wavefront/integrator.h"
 #include "wavefront/policy.h"
 #include "wavefront/worker_pool.h"
@@ -262,6 +263,7 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
   const double processor_start = ProcessorSeconds();
   const auto start = Clock::now();
   pool.Run([&] {
+    const CountedRegion counted;
     const Pilots pilots = {.pool = pool,
                            .brightest_radiance = film.layout().brightest_radiance,
                            .reports = result.pilots};

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 
+#include "base/counted_region.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "bench/measure/machine.h"
@@ -256,10 +257,10 @@ InstructionCounts CountInstructions(const JobRequest& resolved) {
       Quoted(program), PictureOptions(resolved, kWithout), kInstructionWidth, height,
       kInstructionSamples, Quoted(folder.File("picture.exr")));
   const std::string profile = folder.File("out");
-  const CommandOutput ran =
-      RunShell(fmt::format("valgrind --quiet --tool=callgrind --dump-line=no --separate-callers={} "
-                           "--callgrind-out-file={} {} 2>&1",
-                           kKeptCallers, Quoted(profile), render));
+  const CommandOutput ran = RunShell(
+      fmt::format("valgrind --quiet --tool=callgrind --dump-line=no --instr-atstart={} "
+                  "--separate-callers={} --callgrind-out-file={} {} 2>&1",
+                  kMarksCountedRegions ? "no" : "yes", kKeptCallers, Quoted(profile), render));
   if (!ran.good) {
     throw InputError(InputPosition::File("valgrind"),
                      fmt::format("cannot count {}:\n{}", render, ran.text), kExitIo);
