@@ -1,5 +1,6 @@
 #include "lights/tables/portal_tables.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -29,13 +30,20 @@ class Rectifier {
     // Points are no farther apart than half a texel of the map near its equator.
     const double finest = kHalfTurn / map.height();
     points_ = std::clamp(int(std::ceil(2 * step_ / finest)), 2, 4);
+    const auto tangent_at = [&](double point) {
+      return std::tan(std::clamp(point * (step_ / points_) - kHalfTurn / 2, -kHalfTurn / 2 + 1e-9,
+                                 kHalfTurn / 2 - 1e-9));
+    };
+    for (std::uint32_t i = 0; i <= points_ * texels; ++i) tangents_.push_back(tangent_at(i));
+    for (std::uint32_t i = 0; i < texels; ++i) middles_.push_back(tangent_at((i + 0.5) * points_));
   }
 
   // Returns energy [luminance * sr] of all texels, row-major.
   std::vector<double> Energies() const {
     std::vector<double> energies(std::size_t(texels_) * texels_);
-    tbb::parallel_for(0u, texels_, [&](std::uint32_t row) {
-      FillRow(row, &energies[std::size_t(row) * texels_]);
+    constexpr std::uint32_t kRows = 16;
+    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, texels_, kRows), [&](const auto& rows) {
+      FillRows(rows.begin(), rows.end(), energies.data());
     });
     const std::vector<double> narrow = NarrowTexels();
     for (std::size_t i = 0; i < energies.size(); ++i) {
@@ -45,38 +53,46 @@ class Rectifier {
   }
 
  private:
-  // Writes the energies of a row of texels. Each has a grid of points, of which the outer ones lie
-  // on its border. Half of its energy is that of its brightest point everywhere, so that light
-  // which reaches into a texel is drawn with a density of half its own at least.
-  void FillRow(std::uint32_t row, double* energies) const {
-    const std::size_t across = std::size_t(points_) * texels_ + 1;
-    const double step = step_ / points_;
-    std::vector<double> tangent(across), luminance(across * std::size_t(points_ + 1));
-    const auto tangent_at = [&](double place) {
-      return std::tan(
-          std::clamp(place * step - kHalfTurn / 2, -kHalfTurn / 2 + 1e-9, kHalfTurn / 2 - 1e-9));
-    };
-    for (std::size_t i = 0; i < across; ++i) tangent[i] = tangent_at(double(i));
-    for (int j = 0; j <= points_; ++j) {
-      const double tan_y = tangent_at(double(row) * points_ + j);
-      for (std::size_t i = 0; i < across; ++i) {
-        const glm::dvec3 local = glm::normalize(glm::dvec3(tangent[i], tan_y, 1));
-        luminance[std::size_t(j) * across + i] = LuminanceAt(map_from_portal_ * local);
+  // Writes the energies of rows of texels. Each texel has a grid of points, of which the outer ones
+  // lie on its border and are those of its neighbors as well.
+  void FillRows(std::uint32_t first, std::uint32_t last, double* energies) const {
+    std::vector<std::vector<double>> lines(std::size_t(points_) + 1);  // of points
+    lines.back() = LineOfPoints(first * std::uint32_t(points_));
+    for (std::uint32_t row = first; row < last; ++row) {
+      lines.front().swap(lines.back());
+      for (int j = 1; j <= points_; ++j) {
+        lines[std::size_t(j)] = LineOfPoints(row * std::uint32_t(points_) + std::uint32_t(j));
       }
+      FillRow(row, lines, &energies[std::size_t(row) * texels_]);
     }
-    const double middle_y = tangent_at((row + 0.5) * points_);
+  }
+
+  // Returns the luminance at the points of one line from border to border.
+  std::vector<double> LineOfPoints(std::uint32_t line) const {
+    std::vector<double> luminance;
+    luminance.reserve(tangents_.size());
+    for (const double tangent : tangents_) {
+      const glm::dvec3 local = glm::normalize(glm::dvec3(tangent, tangents_[line], 1));
+      luminance.push_back(LuminanceAt(map_from_portal_ * local));
+    }
+    return luminance;
+  }
+
+  // Writes the energies of a row of texels from its lines of points. Half of the energy of a texel
+  // is that of its brightest point everywhere, so that light which reaches into a texel is drawn
+  // with a density of half its own at least.
+  void FillRow(std::uint32_t row, const std::vector<std::vector<double>>& lines,
+               double* energies) const {
     for (std::uint32_t column = 0; column < texels_; ++column) {
       double sum = 0, weights = 0, most = 0;
       for (int j = 0; j <= points_; ++j) {
         for (int i = 0; i <= points_; ++i) {
           const double weight = (i % points_ == 0 ? 0.5 : 1) * (j % points_ == 0 ? 0.5 : 1);
-          const double value =
-              luminance[std::size_t(j) * across + std::size_t(column) * points_ + i];
+          const double value = lines[std::size_t(j)][std::size_t(column) * points_ + i];
           sum += weight * value, weights += weight, most = std::max(most, value);
         }
       }
-      const double middle_x = tangent_at((column + 0.5) * points_);
-      const glm::dvec3 local = glm::normalize(glm::dvec3(middle_x, middle_y, 1));
+      const glm::dvec3 local = glm::normalize(glm::dvec3(middles_[column], middles_[row], 1));
       const double solid_angle =
           step_ * step_ * (1 - local.x * local.x) * (1 - local.y * local.y) / local.z;
       energies[column] = 0.5 * (sum / weights + most) * solid_angle;
@@ -126,8 +142,9 @@ class Rectifier {
   const Texels& map_;
   glm::dmat3 map_from_portal_;
   std::uint32_t texels_;
-  double step_;  // of a texel [rad]
-  int points_;   // of a texel along either axis
+  double step_;                             // of a texel [rad]
+  int points_;                              // of a texel along either axis
+  std::vector<double> tangents_, middles_;  // of the points' and the texels' places on an axis
 };
 
 double EnergyOf(const Texels& map) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <tuple>
 #include <vector>
 
 #include "base/error.h"
@@ -23,19 +22,30 @@
 namespace skywave {
 namespace {
 
-using Case = std::tuple<std::size_t, std::size_t, std::size_t>;
+struct Case {
+  std::size_t subject, map, orientation;
+};
+// Returns every strategy on every map. Orientations take turns, so that every strategy and every
+// map meet all of them.
+std::vector<Case> Cases() {
+  std::vector<Case> cases;
+  for (std::size_t subject = 0; subject < Subjects().size(); ++subject) {
+    for (std::size_t map = 0; map < AdversarialMaps().size(); ++map) {
+      cases.push_back({subject, map, (subject + map) % Orientations().size()});
+    }
+  }
+  return cases;
+}
 
 class StrategyOnMap : public testing::TestWithParam<Case> {
  protected:
   StrategyOnMap()
-      : subject_(Subjects()[std::get<0>(GetParam())]),
-        map_(MapFor(subject_, AdversarialMaps()[std::get<1>(GetParam())].latlong,
-                    Orientations()[std::get<2>(GetParam())])),
+      : subject_(Subjects()[GetParam().subject]),
+        map_(MapFor(subject_, AdversarialMaps()[GetParam().map].latlong,
+                    Orientations()[GetParam().orientation])),
         strategy_(Make(subject_, map_)) {}
 
-  static double Level() {
-    return SidakLevel(Subjects().size() * AdversarialMaps().size() * Orientations().size() * 2);
-  }
+  static double Level() { return SidakLevel(Cases().size() * 2); }
   soa::Table<LightColumns> Draw(const SurfaceColumns& surfaces, std::uint32_t seed) const {
     soa::Table<LightColumns> out(kSamples);
     strategy_->Sample(LambertPoints(surfaces, kSamples), RandomUniforms(kSamples, seed), kSamples,
@@ -263,7 +273,7 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
 // Where the tables do not depend on how the map lies, they serve a map that lies otherwise, and
 // outlive the strategy that they were made for.
 TEST_P(StrategyOnMap, IsTheSameWithTablesOfAnotherOrientation) {
-  const std::size_t other = (std::get<2>(GetParam()) + 1) % Orientations().size();
+  const std::size_t other = (GetParam().orientation + 1) % Orientations().size();
   std::unique_ptr<EnvStrategy> turned;
   {
     const EnvironmentMap map = MapFor(subject_, map_.latlong, Orientations()[other]);
@@ -362,16 +372,11 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
 }
 
 std::string CaseName(const testing::TestParamInfo<Case>& info) {
-  return NameOf(Subjects()[std::get<0>(info.param)]) + "_" +
-         AdversarialMaps()[std::get<1>(info.param)].name + "_" +
-         Orientations()[std::get<2>(info.param)].name;
+  return NameOf(Subjects()[info.param.subject]) + "_" + AdversarialMaps()[info.param.map].name +
+         "_" + Orientations()[info.param.orientation].name;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, StrategyOnMap,
-                         testing::Combine(testing::Range(std::size_t{0}, Subjects().size()),
-                                          testing::Range(std::size_t{0}, AdversarialMaps().size()),
-                                          testing::Range(std::size_t{0}, Orientations().size())),
-                         CaseName);
+INSTANTIATE_TEST_SUITE_P(All, StrategyOnMap, testing::ValuesIn(Cases()), CaseName);
 
 }  // namespace
 }  // namespace skywave
