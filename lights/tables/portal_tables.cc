@@ -54,7 +54,7 @@ class Rectifier {
 
  private:
   // Writes the energies of rows of texels. Each texel has a grid of points, of which the outer ones
-  // lie on its border and are those of its neighbors as well.
+  // lie on its border and are those of its neighbours as well.
   void FillRows(std::uint32_t first, std::uint32_t last, double* energies) const {
     std::vector<std::vector<double>> lines(std::size_t(points_) + 1);  // of points
     lines.back() = LineOfPoints(first * std::uint32_t(points_));
