@@ -222,8 +222,7 @@ void RenderJob::PlanComposites(const Scene& scene) {
     request_.background = request_.background.value_or(Background::kTransparent);
     layers = CatcherAovs();
     // A denoiser needs those of the parts as well.
-    const bool for_denoiser = (DenoiserLayers(options.aovs) & ~options.aovs) == 0;
-    if (for_denoiser) layers |= DenoiserLayers(layers);
+    if (HasDenoiserLayers(options.aovs)) layers |= DenoiserLayers(layers);
   } else if ((options.aovs & (CatcherAovs() | PartAovs()) & ~AovsOf(AovSum::kAlpha)) != 0) {
     throw OptionError("aovs", ToString(options.aovs),
                       "the scene has no catchers: name some, as in `catcher ground`");

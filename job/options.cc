@@ -248,7 +248,7 @@ std::vector<JobOption> CommonRows() {
           FIELD(portals), Texts("X,Y,Z of four corners, or the name of a mesh")),
     Plain({.name = "aovs", .help = "layers of the EXR in addition to the picture (see below)", .scope = kPixels, .example = "--aovs albedo,depth"},
           FIELD(options.aovs), Layers()),
-    Plain({.name = "denoise", .help = "denoise the picture by the statistics of its samples, or, followed by the word oidn, by Open Image Denoise, quick, the same without its error in a third of the time, best, by a mean of both that is weighted by their errors, or auto, by both if it is installed; the EXR keeps the noisy picture and the estimated error as layers", .scope = kPixels, .example = "--denoise --spp 8", .words = kDenoiserWords},
+    Plain({.name = "denoise", .help = "denoise the picture by the statistics of its samples, or, followed by the word oidn, by Open Image Denoise, quick, the same without its error in a third of the time, best, by a mean of both that is weighted by their errors, or auto, by both if it is installed; the EXR has the estimated error as a layer and, with --aovs denoiser, the noisy picture", .scope = kPixels, .example = "--denoise --spp 8", .words = kDenoiserWords},
           FIELD(denoise), Denoisers()),
     Plain({.name = "threads", .help = "0: as many as the process may use", .scope = kSpeed, .example = "--threads 1", .in_suite = true},
           FIELD(options.threads), Numbers(0, 4096)),

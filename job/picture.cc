@@ -73,16 +73,17 @@ bool IsOfLayers(std::string_view channel, AovSet layers) {
   return false;
 }
 
-// Replaces the picture by a clean one, by the layers that the denoiser reads, and adds those that
-// denoising adds.
-void Clean(Denoiser by, const std::string& scene, Picture& picture) {
+// Replaces the picture by a clean one, by the layers that the denoiser reads, and adds the layer
+// "error" and, where the picture is to keep what it is made from, "noisy".
+void Clean(Denoiser by, const std::string& scene, bool keeps_noisy, Picture& picture) {
   if (!CanDenoise(picture.image, picture.layers)) {
     picture.notes.push_back(
         fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
                     kFewestDenoiserSamples));
     return;
   }
-  std::vector<NamedChannel> noisy = AsLayer("noisy", picture.image);
+  std::vector<NamedChannel> noisy;
+  if (keeps_noisy) noisy = AsLayer("noisy", picture.image);
   Cleaning cleaning;
   try {
     cleaning = CleanPicture(by, scene, picture.image, picture.alpha, picture.layers);
@@ -326,7 +327,8 @@ Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentit
   NoteHiddenObjects(picture);
   if (IsTransparent(identity)) MakeTransparent(picture);
   if (const Denoiser by = DenoiserOf(identity); by != Denoiser::kNone) {
-    ArenaOf(threads).execute([&] { Clean(by, identity.scene, picture); });
+    ArenaOf(threads).execute(
+        [&] { Clean(by, identity.scene, HasDenoiserLayers(layers), picture); });
   }
   ExposeAndCompose(identity, part.window, picture);
   std::erase_if(picture.layers, [&](const NamedChannel& channel) {

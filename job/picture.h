@@ -72,7 +72,7 @@ bool IsTransparent(const PictureIdentity& identity);
 // an automatic exposure read.
 AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity);
 
-// Returns whether a channel is one that denoising adds to a picture: "noisy" and "error".
+// Returns whether a channel is one that denoising adds to a picture: "error" or "noisy".
 bool IsOfDenoiser(std::string_view channel);
 
 struct Picture {
@@ -90,8 +90,9 @@ struct Picture {
 };
 
 // Returns the picture that `film` holds. `part` names its samples; `samples` counts them. `layers`
-// are those to show. A picture that is denoised has the layers "noisy" and "error" too; one of too
-// few samples, such as a snapshot of a render that has only begun, stays noisy, with a note.
+// are those to show. A picture that is denoised has the layer "error" too, and "noisy" where
+// `layers` have all that the denoiser reads; one of too few samples, such as a snapshot of a render
+// that has only begun, stays noisy, with a note.
 // `threads` are those of the denoiser; 0: as many as the process may use.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part, int threads = 0);

@@ -95,6 +95,8 @@ std::vector<std::string> ChannelsOf(AovSet layers) {
   return names;
 }
 
+bool HasDenoiserLayers(AovSet layers) { return (DenoiserLayers(layers) & ~layers) == 0; }
+
 std::vector<std::string> DenoiserChannels() { return ChannelsOf(DenoiserLayers({})); }
 
 bool CanDenoise(const Image& image, std::span<const NamedChannel> layers) {

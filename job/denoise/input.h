@@ -16,6 +16,8 @@ namespace skywave {
 // Returns the layers that the denoiser reads of a picture that has `layers`: the parts of the light
 // of catchers as well if it has any.
 AovSet DenoiserLayers(AovSet layers);
+// Returns whether `layers` have all of them.
+bool HasDenoiserLayers(AovSet layers);
 // Returns the names of the channels of layers.
 std::vector<std::string> ChannelsOf(AovSet layers);
 // Returns those of the layers that the denoiser reads of every picture.

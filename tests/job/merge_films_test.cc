@@ -210,8 +210,7 @@ TEST(MergeFilms, FilmsOfDenoisedPicturesKeepWhatTheDenoiserReads) {
   const Picture clean = ResolveMerged(merged);
   std::vector<std::string> names;
   for (const NamedChannel& channel : clean.layers) names.push_back(channel.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"depth.Z", "noisy.R", "noisy.G", "noisy.B", "error.R",
-                                             "error.G", "error.B"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"depth.Z", "error.R", "error.G", "error.B"}));
   request.denoise = Denoiser::kNone;
   EXPECT_FALSE(Parts(folder, request).OneRender() == expected);
 }
