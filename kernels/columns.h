@@ -160,6 +160,9 @@ struct SurfaceColumns {
   // The parameters of the row's BSDF that vary over a surface; BsdfTraits::varying says which.
   float *varying_0, *varying_1;
   float *varying_2, *varying_3;  // of Varying::kLayers alone
+  // Likewise, and only with MaterialView::base_normals: the normal of what lies below a coat
+  // (EncodeNormal), world space, which may face away from wo, or kSameNormal, where it is ns.
+  std::uint32_t* base_normal;
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -172,8 +175,10 @@ struct SurfaceColumns {
     f(self.color_r), f(self.color_g), f(self.color_b);
     f(self.lift), f(self.material), f(self.light_norm);
     f(self.varying_0), f(self.varying_1), f(self.varying_2), f(self.varying_3);
+    f(self.base_normal);
   }
 };
+inline constexpr std::uint32_t kSameNormal = 0x80008000;  // which EncodeNormal never returns
 
 // Rows [begin[k], begin[k + 1]) of the surface table belong to BSDF k.
 struct SurfaceRanges {

@@ -52,20 +52,14 @@ MaterialView Geometry::materials() const {
           .varied = tables_.varied,
           .two_widths = tables_.two_widths,
           .dielectrics = tables_.dielectrics.data(),
-          .anisotropic = tables_.anisotropic};
+          .anisotropic = tables_.anisotropic,
+          .base_normals = !tables_.base_normal_maps.records.empty()};
 }
 
 TextureView Geometry::textures() const {
   TextureView view = tables_.textures.view();
   view.instances = instances();
   return view;
-}
-
-NormalMapView Geometry::normal_maps() const {
-  if (tables_.normal_maps.empty()) return {};
-  return {.records = tables_.normal_maps.data(),
-          .tangents = tables_.map_axes.data(),
-          .slopes = tables_.map_slopes.empty() ? nullptr : tables_.map_slopes.data()};
 }
 
 glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {

@@ -46,7 +46,8 @@ class Geometry {
   }
   MaterialView materials() const;
   TextureView textures() const;  // empty: no material has one
-  NormalMapView normal_maps() const;
+  NormalMapView normal_maps() const { return tables_.normal_maps.view(); }
+  NormalMapView base_normal_maps() const { return tables_.base_normal_maps.view(); }
   const TriangleUvs* uvs() const { return tables_.textures.uvs.data(); }  // by record, where kept
   BsdfSet bsdfs() const { return tables_.bsdfs; }
   // Whether there are mirrors or clear glass.

@@ -21,7 +21,6 @@ namespace skywave {
 namespace {
 
 constexpr std::size_t kMaxVariants = 128;  // mean number of records per triangle
-constexpr float kSteepest = 1e6f;          // scale of a normal map; steeper ones are walls, too
 
 const BsdfKernels& BsdfOf(const Material& material) { return Bsdfs()[std::size_t(material.bsdf)]; }
 
@@ -284,59 +283,12 @@ void AddVariants(const Scene& scene, const std::string& path, GeometryTables& ta
 
 // ---- Materials ----
 
-NormalMapRecord MakeNormalMap(const Material& material, const Scene& scene,
-                              const TextureTables& textures) {
-  if (!material.normal_texture) return {};
-  const std::uint32_t texture = *material.normal_texture;
-  const bool heights = scene.textures[texture].use == TextureUse::kHeights;
-  const float scale = material.normal_scale * textures.slopes[texture];
-  return {.texture = texture + 1,
-          .scale = std::isnan(scale) ? 0 : std::clamp(scale, -kSteepest, kSteepest),
-          .per_texel = heights && !material.height_in_texels,
-          .unused = 0};
-}
-
-// Adds the normal maps, and their axes on each record: variants of one triangle may have different
-// maps.
-// The mesh of a triangle record, and its corners there.
-struct RecordCorners {
-  const Mesh& mesh;
-  glm::uvec3 corners;
-};
 RecordCorners CornersOf(std::span<const Mesh* const> meshes, std::uint32_t record,
                         const GeometryTables& tables) {
   const std::uint32_t triangle = tables.TriangleOf(record);
   const MeshPlace& place = tables.PlaceOf(triangle);
   const std::uint32_t* const corners = &tables.corners[3 * std::size_t{triangle}];
   return {*meshes[place.mesh], glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex};
-}
-
-void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
-                   GeometryTables& tables) {
-  if (std::none_of(scene.materials.begin(), scene.materials.end(),
-                   [](const Material& m) { return m.has(MaterialPart::kNormalMap); })) {
-    return;
-  }
-  for (const Material& material : scene.materials) {
-    tables.normal_maps.push_back(MakeNormalMap(material, scene, tables.textures));
-  }
-  tables.map_axes.resize(tables.triangles.size());
-  if (std::any_of(tables.normal_maps.begin(), tables.normal_maps.end(),
-                  [](const NormalMapRecord& map) { return map.per_texel != 0; })) {
-    tables.map_slopes.resize(tables.triangles.size());
-  }
-  for (std::uint32_t record = 0; record < tables.triangles.size(); ++record) {
-    const std::uint32_t tag = tables.triangles[record].tag;
-    const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
-    if ((tag & kMixedTriangle) != 0 || !texture) continue;
-    const auto [mesh, corners] = CornersOf(meshes, record, tables);
-    const Texture& map = scene.textures[*texture];
-    tables.map_axes[record] = MakeTriangleTangents(mesh, corners, map);
-    if (tables.normal_maps[tag & kMaterialMask].per_texel != 0) {
-      const CompactImage& image = scene.images[map.image];
-      tables.map_slopes[record] = MakeTriangleSlopes(mesh, corners, map, image.width, image.height);
-    }
-  }
 }
 
 // Adds the second texture coordinates of meshes, where textures use them.
@@ -444,7 +396,10 @@ GeometryTables MakeGeometryTables(const Scene& scene, const std::string& path, b
   AddVariants(scene, path, tables);
   tables.corners.push_back(0);  // kernels read them four words at a time
   if (textured) AddSecondUvs(scene, meshes, tables);
-  AddNormalMaps(scene, meshes, tables);
+  const auto corners = [&](std::uint32_t record) { return CornersOf(meshes, record, tables); };
+  tables.normal_maps = MakeNormalMaps(scene, MapOf, tables.textures, tables.triangles, corners);
+  tables.base_normal_maps =
+      MakeNormalMaps(scene, BaseMapOf, tables.textures, tables.triangles, corners);
   AddMaterials(scene, tables);
   return tables;
 }
@@ -479,9 +434,9 @@ std::size_t GeometryTables::bytes() const {
     return (... + (table.size() * sizeof table[0]));
   };
   return bytes_of(vertices, corners, triangles, materials, tangents, vertex_colors, vertex_alphas,
-                  mixed, measured, coats, dielectrics, normal_maps, map_axes, map_slopes, opacity,
-                  instances, instance_records, places.first) +
-         textures.bytes();
+                  mixed, measured, coats, dielectrics, opacity, instances, instance_records,
+                  places.first) +
+         normal_maps.bytes() + base_normal_maps.bytes() + textures.bytes();
 }
 
 }  // namespace skywave

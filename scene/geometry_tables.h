@@ -13,9 +13,9 @@
 #include "kernels/columns.h"
 #include "kernels/partition.h"
 #include "kernels/surface/instances.h"
-#include "kernels/surface/normal_map.h"
 #include "kernels/surface/opacity.h"
 #include "scene/embree_scene.h"
+#include "scene/materials/normal_map_tables.h"
 #include "scene/materials/texture_tables.h"
 #include "scene/scene.h"
 
@@ -44,8 +44,6 @@ struct GeometryTables {
   std::vector<std::uint32_t> tangents;       // by record, for PrepareTangents
   std::vector<std::uint32_t> vertex_colors;  // three per record, packed as texels
   std::vector<float> vertex_alphas;          // three per triangle, for OpacityView
-  std::vector<TriangleTangents> map_axes;    // by record, for BendNormals
-  std::vector<TriangleSlopes> map_slopes;    // likewise
   BsdfSet bsdfs = 0;                         // those of the triangles
   bool one_sided = false;                    // camera rays pass through the back of some triangle
   std::vector<std::uint8_t> catchers;        // by material, 1 for catchers; empty: there are none
@@ -55,11 +53,12 @@ struct GeometryTables {
   bool calls_filter() const { return one_sided || !catchers.empty() || has_unshadowed; }
 
   std::vector<MaterialRecord> materials;
-  std::vector<NormalMapRecord> normal_maps;  // by material
-  std::vector<OpacityRecord> opacity;        // by material
-  bool varied = false;                       // MaterialView::varied
-  bool two_widths = false;                   // MaterialView::two_widths
-  bool absorbs = false;                      // light is lost inside some material
+  NormalMapTables normal_maps;         // for BendNormals
+  NormalMapTables base_normal_maps;    // for WriteBaseNormals
+  std::vector<OpacityRecord> opacity;  // by material
+  bool varied = false;                 // MaterialView::varied
+  bool two_widths = false;             // MaterialView::two_widths
+  bool absorbs = false;                // light is lost inside some material
   std::vector<float> measured;
   std::vector<CoatTable> coats;              // by kCoatTable of the materials that have one
   std::vector<DielectricTable> dielectrics;  // likewise by kDielectricTable

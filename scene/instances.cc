@@ -51,7 +51,7 @@ bool Shines(const Scene& scene, const Mesh& mesh) {
 bool HasNormalMap(const Scene& scene, std::uint32_t material, std::set<std::uint32_t>& seen) {
   if (material >= scene.materials.size() || !seen.insert(material).second) return false;
   const Material& of = scene.materials[material];
-  if (of.normal_texture) return true;
+  if (of.normal_texture || of.base_normal_texture) return true;
   return of.mixture && (HasNormalMap(scene, of.mixture->first, seen) ||
                         HasNormalMap(scene, of.mixture->second, seen));
 }

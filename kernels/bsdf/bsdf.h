@@ -45,6 +45,11 @@ struct MaterialView {
   bool two_widths = false;
   const DielectricTable* dielectrics = nullptr;
   const AnisotropicTables* anisotropic = nullptr;
+  // Some material has a coat whose normals are not those of its base: SurfaceColumns::base_normal
+  // is written and read.
+  bool base_normals = false;
+  // The surfaces are of paths from lights (Transport::kFlux), which such bases need to know.
+  bool flux = false;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2

@@ -36,6 +36,7 @@ enum class MaterialPart {
   kMixtureTexture,
   kOpacity,
   kNormalMap,
+  kBaseNormals,
   kAbsorption,
   kCoatMedium,
   kMetalOfColor,
@@ -125,6 +126,11 @@ struct Material {
   std::optional<std::uint32_t> normal_texture;
   float normal_scale = 1;
   bool height_in_texels = false;
+  // Layered metallic-roughness: what lies below the coat has normals of its own, bent by this
+  // texture or by none, and normal_texture bends those of the coat.
+  bool own_base_normals = false;
+  std::optional<std::uint32_t> base_normal_texture;
+  float base_normal_scale = 1;
   // Set: a hit has one of two other materials, and only opacity and emission of this one count.
   std::optional<Mixture> mixture;
   std::optional<std::uint32_t> mixture_texture;  // its first channel, in place of the share
@@ -162,6 +168,8 @@ struct Material {
         return !opaque();
       case MaterialPart::kNormalMap:
         return normal_texture.has_value();
+      case MaterialPart::kBaseNormals:
+        return own_base_normals;
       case MaterialPart::kAbsorption:
         return absorption != glm::vec3(0);
       case MaterialPart::kCoatMedium:
@@ -203,9 +211,10 @@ struct Material {
            color_texture, roughness_texture, second_color_texture, sheen_texture,
            sheen_alpha_texture, coat_alpha_texture, specular_texture, specular_color_texture,
            anisotropy_texture, film_texture, film_thickness_texture, opacity, opacity_cutoff,
-           opacity_texture, normal_texture, normal_scale, height_in_texels, mixture,
-           mixture_texture, emission, emits_on_both_sides, emission_texture, one_sided, catcher,
-           holdout, unlit, unshadowed] = self;
+           opacity_texture, normal_texture, normal_scale, height_in_texels, own_base_normals,
+           base_normal_texture, base_normal_scale, mixture, mixture_texture, emission,
+           emits_on_both_sides, emission_texture, one_sided, catcher, holdout, unlit, unshadowed] =
+        self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -234,6 +243,9 @@ struct Material {
     f("normal_texture", kNormalMap, normal_texture);
     f("normal_scale", kNormalMap, normal_scale);
     f("height_in_texels", kNormalMap, height_in_texels);
+    f("own_base_normals", kBaseNormals, own_base_normals);
+    f("base_normal_texture", kBaseNormals, base_normal_texture);
+    f("base_normal_scale", kBaseNormals, base_normal_scale);
     f("absorption", kAbsorption, absorption);
     f("metal_of_color", kMetalOfColor, metal_of_color);
     f("energy_compensation", kSingleScattering, energy_compensation);

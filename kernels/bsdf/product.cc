@@ -79,6 +79,7 @@ void GatherWeighedSurfaces(const SurfaceColumns& s, bool layers, const std::uint
       Store(Gather(columns[c], row), copies[c] + i);
     }
     Store(Gather(s.material, row), out.material + i);
+    if (layers) Store(Gather(s.base_normal, row), out.base_normal + i);
   }
 }
 

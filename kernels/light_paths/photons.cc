@@ -107,6 +107,7 @@ void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t 
   repeat(from.material, to.material);
   repeat(from.varying_0, to.varying_0), repeat(from.varying_1, to.varying_1);
   repeat(from.varying_2, to.varying_2), repeat(from.varying_3, to.varying_3);
+  repeat(from.base_normal, to.base_normal);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -100,8 +100,8 @@ HWY_INLINE VU ReverseBits(VU v) {
 HWY_INLINE VF ToUnitFloat(VU bits) { return ToFloat(hn::ShiftRight<8>(bits)) * (0x1p-24f); }
 
 // Returns the unit vector of a TriangleRecord normal: two's complement 16-bit octahedral
-// coordinates, x in the low half (Cigolle et al. 2014). It is the inverse of EncodeNormal in
-// kernels/surface/surface.h.
+// coordinates, x in the low half (Cigolle et al. 2014). EncodeNormal is its inverse, as is
+// that of kernels/surface/surface.h.
 HWY_INLINE V3 DecodeNormal(VU packed) {
   const VF scale = Set(1.0f / 32767.0f);
   const VI bits = AsInt(packed);
@@ -110,6 +110,17 @@ HWY_INLINE V3 DecodeNormal(VU packed) {
   const VF z = 1.0f - hn::Abs(x) - hn::Abs(y);
   const VF fold = hn::Max(-z, hn::Zero(F()));  // the lower half is mirrored at the diagonals
   return Normalize({x - hn::CopySign(fold, x), y - hn::CopySign(fold, y), z});
+}
+HWY_INLINE VU EncodeNormal(const V3& n) {
+  const VF one = Set(1.0f), over = one / (hn::Abs(n.x) + hn::Abs(n.y) + hn::Abs(n.z));
+  const VF x = n.x * over, y = n.y * over;
+  const MF folded = hn::Lt(n.z, hn::Zero(F()));
+  const auto quantize = [](VF value) HWY_ATTR {
+    return hn::BitCast(U(), hn::NearestInt(value * Set(32767.0f)));
+  };
+  const VU low = quantize(IfThen(folded, hn::CopySign(one - hn::Abs(y), x), x));
+  const VU high = quantize(IfThen(folded, hn::CopySign(one - hn::Abs(x), y), y));
+  return hn::Or(hn::And(low, SetU(0xFFFF)), hn::ShiftLeft<16>(high));
 }
 
 }  // namespace HWY_NAMESPACE

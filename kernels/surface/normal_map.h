@@ -14,7 +14,7 @@ struct NormalMapRecord {
   float scale;            // factor of the map's x and y
   // 1 if the map holds slopes per texel, of heights that are lengths in the world; else 0.
   std::uint32_t per_texel;
-  std::uint32_t unused;
+  std::uint32_t of_base;  // 1: these are normals of what lies below a coat; with or without texture
 };
 inline constexpr int kLogNormalMapWords = 2;
 static_assert(sizeof(NormalMapRecord) == sizeof(std::uint32_t) << kLogNormalMapWords);
@@ -51,6 +51,12 @@ struct NormalMapView {
 // written.
 void BendNormals(const TextureView& textures, const NormalMapView& maps, float pixel_angle,
                  std::uint32_t n, const SurfaceColumns& surfaces);
+
+// Writes base_normal of rows [0, n): ns bent likewise by the maps of bases, but not turned to the
+// eye, and kSameNormal where the material has no base with normals of its own. This comes before
+// BendNormals, which bends ns by the map of the coat. Padding rows may be written.
+void WriteBaseNormals(const TextureView& textures, const NormalMapView& bases, float pixel_angle,
+                      std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Packs a normal of any length but 0 into a texel, 11 bits each for x and y and 10 for z. x points
 // right in the image, y up and z off the surface. (0, 0, 1) is kept exactly.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "scene/gltf/extensions.h"
 
@@ -70,19 +71,26 @@ void SetLayers(GltfTextures& context, const tinygltf::Material& from, Material& 
   }
 }
 
-// The file may give the coat different normals from the base; also when it gives normals to the
-// base only.
-void WarnOfCoatNormals(GltfTextures& context, const tinygltf::Material& from) {
-  const tinygltf::Value& coat = *GltfExtension(from, khr::kClearcoat);
-  if (TextureInfo(coat, "clearcoatNormalTexture").index == from.normalTexture.index) return;
-  WarnOfMaterial(context,
-                 "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
+// Gives the coat normals of its own: those of its map, or none, where the base has another one. The
+// surface then has the normals of the coat, and the base has its own below it.
+void SetCoatNormals(GltfTextures& context, const tinygltf::Material& from,
+                    const tinygltf::Value& extension, Material& coated) {
+  const char* const name = "clearcoatNormalTexture";
+  const GltfTextureInfo of_base = TextureInfo(from.normalTexture);
+  const GltfTextureInfo own = TextureInfo(extension, name);
+  const auto scale = float(own.index < 0 ? 1 : GltfNumber(extension.Get(name), "scale", 1));
+  if (own == of_base && scale == coated.normal_scale) return;
+  const auto map = AddGltfTexture(context, own, Encoding::kLinear, TextureUse::kNormals);
+  if (!map && !coated.normal_texture) return;
+  coated.own_base_normals = true;
+  coated.base_normal_texture = std::exchange(coated.normal_texture, map);
+  coated.base_normal_scale = std::exchange(coated.normal_scale, scale);
 }
 
-// Gives a material one more layer, of which `textures` says that it has textures that only layered
-// metallic-roughness reads.
-void AddLayer(bool textures, Material& material) {
-  if (textures || material.bsdf == BsdfKind::kLayeredMetallicRoughness) {
+// Gives a material one more layer, of which `rich` says that it has textures or normals that only
+// layered metallic-roughness reads.
+void AddLayer(bool rich, Material& material) {
+  if (rich || material.bsdf == BsdfKind::kLayeredMetallicRoughness) {
     material.bsdf = BsdfKind::kLayeredMetallicRoughness;
   } else {
     material.bsdf = BsdfKind::kCoatedMetallicRoughness;
@@ -111,7 +119,6 @@ Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Mate
   if (!(strength > 0)) return base;
   const GltfShare share =
       AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
-  WarnOfCoatNormals(context, from);
   Material coated = base;
   coated.coat = share.number;
   const float roughness = GltfFractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
@@ -120,7 +127,8 @@ Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Mate
     coated.coat_alpha_texture =
         GltfTextureOf(context, *coat, "clearcoatRoughnessTexture", Encoding::kLinear);
   }
-  AddLayer(coated.coat_alpha_texture.has_value(), coated);
+  SetCoatNormals(context, from, *coat, coated);
+  AddLayer(coated.coat_alpha_texture || coated.own_base_normals, coated);
   if (!share.texture) return coated;
   return GltfMixture(context, base, NamedPart(coated, "coated"), share);
 }

@@ -50,6 +50,7 @@ void WarnOfMaterial(GltfTextures& textures, const std::string& text);
 struct GltfTextureInfo {
   int index = -1, uv_set = 0;
   std::optional<glm::mat3x2> transform = {};
+  bool operator==(const GltfTextureInfo&) const = default;
 };
 GltfTextureInfo TextureInfo(const tinygltf::TextureInfo& from);
 GltfTextureInfo TextureInfo(const tinygltf::NormalTextureInfo& from);

@@ -90,6 +90,7 @@ TEST(BothDirections, BackwardsIsForwardsWithExchangedRoles) {
         nothing[i] = side < 0 && !Transmits(material);
         const Vec ns = Get(i, facing->x, facing->y, facing->z);
         exchanged.Set(i, side * ns, side * pairs.ng[i], pairs.wi[i]);
+        exchanged.surfaces->base_normal[i] = pairs.rows.surfaces->base_normal[i];
         if (side < 0) exchanged.surfaces->material[i] ^= kBackFace;
         Put(pairs.wo[i], i, back->dir_x, back->dir_y, back->dir_z);
       }
@@ -143,6 +144,7 @@ TEST(BothDirections, DensityBackIsTheFormulas) {
 TEST(BothDirections, ValuesAreReciprocal) {
   std::uint32_t seed = 201;
   for (const MaterialCase& material : DenseCases()) {
+    if (IsTilted(material)) continue;  // as with all bent normals (Veach 1997, 5.3)
     SCOPED_TRACE(material.name);
     Pairs pairs(material, false, seed++);
     pairs.Evaluate();

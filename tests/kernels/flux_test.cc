@@ -174,6 +174,7 @@ TEST_P(Flux, IsTheAdjointOfRadiance) {
   soa::Table<LightColumns> lights(kFullWave);
   for (std::uint32_t i = 0; i < kFullWave; ++i)
     Put(b[i], i, lights->dir_x, lights->dir_y, lights->dir_z);
+  rows_.flux = true;
   auto flux = rows_.Evaluate(b);
   MakeFlux(rows_.kernels, rows_.surfaces, rows_.materials(), lights, kFullWave, flux);
   const auto back_same = same.Evaluate(a), back_other = other.Evaluate(a);

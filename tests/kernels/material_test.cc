@@ -25,8 +25,8 @@ TEST(Material, VisitsEveryMemberButTheName) {
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
                m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35,
                m36, m37, m38, m39, m40, m41, m42, m43, m44, m45, m46, m47, m48, m49, m50, m51, m52,
-               m53, m54, m55, m56] = m;
-  constexpr std::size_t kMembers = 57;
+               m53, m54, m55, m56, m57, m58, m59] = m;
+  constexpr std::size_t kMembers = 60;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
@@ -50,6 +50,9 @@ TEST(Material, VisitsEveryMemberButTheName) {
       {"sheen", &m.sheen},
       {"sheen_alpha", &m.sheen_alpha},
       {"measured", &m.measured},
+      {"own_base_normals", &m.own_base_normals},
+      {"base_normal_texture", &m.base_normal_texture},
+      {"base_normal_scale", &m.base_normal_scale},
       {"specular", &m.specular},
       {"specular_color", &m.specular_color},
       {"anisotropy", &m.anisotropy},

@@ -214,6 +214,50 @@ TEST(NormalMaps, HeightsFollowTheirCoordinates) {
   EXPECT_GT(used, 100);
 }
 
+// A coat and what lies below it are bent each by its own map, as a surface with that map alone is,
+// but that the base is not turned to the eye here.
+TEST(NormalMaps, CoatsAndTheirBasesHaveNormalsOfTheirOwn) {
+  Relief relief(TextureUse::kNormals, Plain(NormalColor(kTilt)));
+  relief.scene.images.push_back(Plain(NormalColor({-0.4f, 0.1f, 1})));
+  relief.scene.textures.push_back({.image = 1, .use = TextureUse::kNormals});
+  Material& material = relief.scene.materials[0];
+  material.base_normal_scale = 0.5f;
+  // Returns base_normal of a front or back face, and leaves ns in `coat`.
+  const auto base_normal = [&](float side, glm::vec3& coat) {
+    const Geometry geometry(relief.scene, "test");
+    const soa::Table<SurfaceColumns> s(1);
+    s->ng_y[0] = 1, s->wo_y[0] = side, s->u[0] = s->v[0] = 0.25f, s->t[0] = 1;
+    PrepareSurfaces(geometry.triangle_tables(), geometry.materials().records, 1, s);
+    const NormalMapView bases = geometry.base_normal_maps();
+    EXPECT_EQ(bases.empty(), !geometry.materials().base_normals);
+    if (!bases.empty()) WriteBaseNormals(geometry.textures(), bases, 0, 1, s);
+    BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
+    coat = {s->ns_x[0], s->ns_y[0], s->ns_z[0]};
+    return bases.empty() ? kSameNormal : s->base_normal[0];
+  };
+  glm::vec3 coat;
+  EXPECT_EQ(base_normal(1, coat), kSameNormal);
+  material.own_base_normals = true;
+  for (const bool base_bent : {false, true}) {
+    if (base_bent) material.base_normal_texture = 1;
+    for (const float side : {1.0f, -1.0f}) {
+      Relief alone = relief;
+      const glm::vec3 of_coat = alone.Bent({0, side, 0});
+      alone.scene.materials[0].normal_texture = material.base_normal_texture;
+      alone.scene.materials[0].normal_scale = 0.5f;
+      const glm::vec3 of_base = base_bent ? alone.Bent({0, side, 0}) : glm::vec3(0, side, 0);
+      ForEachTarget([&] {
+        EXPECT_EQ(base_normal(side, coat), EncodeNormal(of_base.x, of_base.y, of_base.z));
+        EXPECT_EQ(coat, of_coat);
+      });
+    }
+  }
+  // Another material of the scene has one normal.
+  relief.scene.materials.push_back(material);
+  relief.scene.materials[0].own_base_normals = false;
+  EXPECT_EQ(base_normal(1, coat), kSameNormal);
+}
+
 TEST(NormalMaps, NormalsNeverLookAwayFromTheEye) {
   Relief relief(TextureUse::kNormals, Plain(NormalColor({3, 0, 1})));
   const glm::vec3 x = Relief::Axis(relief.scene.meshes[0], {1, 0});

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernels/sampler.h"
 #include "lights/strategies/strategy.h"
 #include "tests/support/adversarial_maps.h"
+#include "tests/support/bsdf_cases.h"
 #include "tests/support/map_cells.h"
 #include "tests/support/shade_points.h"
 #include "tests/support/shading_rows.h"
@@ -27,6 +29,7 @@ const std::vector<MaterialCase>& Materials() {
       {"Leaf",
        BsdfKind::kDiffuseTransmission,
        {.color = {0.4f, 0.3f, 0.1f}, .eta = {0.2f, 0.5f, 0.6f}}},
+      *std::find_if(DenseCases().begin(), DenseCases().end(), IsTilted),
   };
   return materials;
 }

@@ -29,8 +29,8 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   document["images"] = {{{"uri", "n.png"}}};
   document["textures"] = {{{"source", 0}}};
   document["materials"][0]["normalTexture"] = {{"index", 0}};
-  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
   extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_EQ(Body(Read(document)).bsdf, BsdfKind::kCoatedMetallicRoughness) << "the same normals";
   EXPECT_TRUE(Read(document).warnings.empty());
   // A texture of its strength, here of one value.
   extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
@@ -53,6 +53,44 @@ TEST_F(Gltf, CoatSheenAndSpecularAreRead) {
   EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
   EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+}
+
+// Where a coat has other normals than its base, they are those of the surface, and the base has its
+// own.
+TEST_F(Gltf, CoatsHaveNormalsOfTheirOwn) {
+  json document = Document();
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  json& coat = material["extensions"]["KHR_materials_clearcoat"];
+  coat = {{"clearcoatFactor", 1}};
+  const auto expect = [&](const Material& is, bool of_coat, float scale, bool of_base,
+                          float base_scale) {
+    EXPECT_EQ(is.bsdf, BsdfKind::kLayeredMetallicRoughness);
+    EXPECT_TRUE(is.own_base_normals);
+    EXPECT_EQ(is.normal_texture.has_value(), of_coat);
+    EXPECT_EQ(is.normal_scale, scale);
+    EXPECT_EQ(is.base_normal_texture.has_value(), of_base);
+    EXPECT_EQ(is.base_normal_scale, base_scale);
+  };
+  coat["clearcoatNormalTexture"] = {{"index", 0}, {"scale", 0.5}};
+  expect(Body(Read(document)), true, 0.5f, false, 1);
+  material["normalTexture"] = {{"index", 0}, {"scale", 2}};
+  expect(Body(Read(document)), true, 0.5f, true, 2);
+  coat["clearcoatNormalTexture"]["scale"] = 2;
+  EXPECT_FALSE(Body(Read(document)).own_base_normals) << "the same normals";
+  coat["clearcoatNormalTexture"]["extensions"]["KHR_texture_transform"] = {{"offset", {0.5, 0}}};
+  expect(Body(Read(document)), true, 2, true, 2);
+  coat.erase("clearcoatNormalTexture");
+  expect(Body(Read(document)), false, 1, true, 2);
+  // A map that cannot be read is none, and said.
+  coat["clearcoatNormalTexture"] = {{"index", 0}};
+  material.erase("normalTexture");
+  document["images"][0]["uri"] = "missing.png";
+  const Scene broken = Read(document);
+  EXPECT_FALSE(Body(broken).own_base_normals);
+  EXPECT_NE(broken.warnings.at(0).find("missing.png"), std::string::npos);
 }
 
 // An unlit surface has the radiance of its base colour and reflects nothing; radiance has no

@@ -154,6 +154,7 @@ TEST(SceneHash, MatchesRecordedValues) {
   conductor.mixture_texture.reset();
   conductor.second_color_texture.reset();
   conductor.reflection.reset();
+  conductor.own_base_normals = false;
   EXPECT_EQ(HashOf(conductor), 0x3029de41f722c611u);
 }
 

@@ -199,6 +199,10 @@ std::vector<MaterialCase> MakeDenseCases() {
   paint.coat = 1, paint.coat_alpha = 0.3f, paint.sheen = {0.5f, 0.8f, 0.3f};
   paint.sheen_alpha = 0.5f, paint.anisotropy = 0.5f, paint.alpha = 0.4f, paint.metallic = 0.5f;
   layered("All", paint, 1.3, {0xB4C8A0D7, 0x00A0FF78, 0xC090FFE0, 0x00C85AB4});
+  // Below a coat that does not follow its relief. Coordinates that EncodeNormal keeps exactly.
+  list.push_back(list.back());
+  list.back().name = "LayeredTilted", list.back().turn = 0;
+  list.back().base_normal = Unit({0.25, -0.125, 0.625});
   list.push_back({"CoatedGold", kCoatedConductor, RecordWithCoat(CoatedGold(0.3f, 0.05f))});
   list.push_back({"MistyGold", kCoatedConductor, RecordWithCoat(Misty(CoatedGold(0.1f, 0.2f)))});
   list.push_back({"Enamel", kCoatedDiffuse, RecordWithCoat(Lacquered(0.05f, 1.5f))});

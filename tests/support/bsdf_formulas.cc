@@ -419,6 +419,17 @@ FormulaValue MeasuredFormula(const MaterialRecord& m, Vec wo, Vec wi) {
   return out;
 }
 
+// Turns a direction about the axis that is at right angles to both normals, as far as the coat's is
+// from that of the base, which looks at wo at least at a grazing angle.
+Vec BelowCoat(const MaterialCase& material, Vec wo, Vec w) {
+  if (!IsTilted(material)) return w;
+  const double missing = std::max(1.0 / 128 - Dot(material.base_normal, wo), 0.0);
+  const Vec normal = Unit(material.base_normal + missing * wo);
+  const Vec axis = Unit(Cross(normal, {0, 0, 1}));
+  const double c = normal.z, s = std::sqrt(1 - c * c);
+  return c * w + s * Cross(axis, w) + (1 - c) * Dot(axis, w) * axis;
+}
+
 }  // namespace
 
 double LostByGgx(double alpha, double cosine) {
@@ -457,8 +468,12 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
           m.k[1], 0.04, wo, wi);
     case BsdfKind::kLayeredMetallicRoughness: {
       const MaterialRecord here = LayersAtHit(material);
-      return CoatFormula(SheenFormula(LayeredBaseFormula(material, wo, wi), here, wo, wi),
-                         here.k[0], here.k[1], 0.04, wo, wi);
+      const Vec below_o = BelowCoat(material, wo, wo), below_i = BelowCoat(material, wo, wi);
+      FormulaValue base;  // nothing where the base sees one of the directions from behind
+      if (std::min(below_o.z, below_i.z) > 0) {
+        base = SheenFormula(LayeredBaseFormula(material, below_o, below_i), here, below_o, below_i);
+      }
+      return CoatFormula(base, here.k[0], here.k[1], 0.04, wo, wi);
     }
     case BsdfKind::kCoatedConductor:
     case BsdfKind::kCoatedDiffuse:

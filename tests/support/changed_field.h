@@ -43,6 +43,8 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .opacity_texture = 3,
           .normal_texture = 4,
           .normal_scale = 2,
+          .own_base_normals = true,
+          .base_normal_texture = 16,
           .mixture = Mixture{1, 2, 0.5f},
           .mixture_texture = 6,
           .emission = {3, 2, 1},

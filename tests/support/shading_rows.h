@@ -12,6 +12,7 @@
 #include "kernels/bsdf/coat_tables.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "kernels/bsdf/dielectric_tables.h"
+#include "kernels/surface/surface.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {
@@ -24,6 +25,25 @@ struct MaterialCase {
   double turn = 0;    // from the frame's first axis to the tangent [rad]
   // Of Varying::kLayers; the bytes of the turn are added.
   std::array<std::uint32_t, 4> layers = {~0u, ~0u, ~0u, ~0u};
+  Vec base_normal = {0, 0, 1};  // of what lies below a coat, in the frame of the tangent
+};
+inline bool IsTilted(const MaterialCase& material) { return material.base_normal.z < 1; }
+
+// The kernels' frame about a normal (Duff et al. 2017), rotated to the tangent, in double.
+class TangentFrame {
+ public:
+  TangentFrame(Vec n, double turn) : n_(n) {
+    const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
+    const Vec s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    const Vec t = {b, sign + n.y * n.y * a, -n.y};
+    s_ = std::cos(turn) * s + std::sin(turn) * t;
+    t_ = std::cos(turn) * t - std::sin(turn) * s;
+  }
+  Vec To(Vec w) const { return {Dot(w, s_), Dot(w, t_), Dot(w, n_)}; }
+  Vec From(Vec w) const { return w.x * s_ + w.y * t_ + w.z * n_; }
+
+ private:
+  Vec s_, t_, n_;
 };
 
 // Returns the case of the other side of the surface. The frames of a normal and of its opposite
@@ -89,7 +109,8 @@ struct ShadingRows {
         surfaces(rows),
         back(material.back),
         turn(material.turn),
-        layers(material.layers) {
+        layers(material.layers),
+        base_normal(material.base_normal) {
     if (material.kind == BsdfKind::kMeasured) measured = MeasuredForTests();
     for (std::uint32_t i = 0; i < rows; ++i) Set(i, normal, normal, wo);
   }
@@ -113,6 +134,9 @@ struct ShadingRows {
     const float word = FacetTurnOf(back ? -turn : turn, across);
     if (across > 0) s.varying_1[i] = word;
     if (kernels.varying == Varying::kLayers) SetLayers(i, std::bit_cast<std::uint32_t>(word));
+    const Vec base = TangentFrame(shading, turn).From(base_normal);
+    s.base_normal[i] =
+        tilted() ? EncodeNormal(float(base.x), float(base.y), float(base.z)) : kSameNormal;
   }
   void SetLayers(std::uint32_t i, std::uint32_t turn_word) {
     const SurfaceColumns& s = surfaces;
@@ -124,6 +148,7 @@ struct ShadingRows {
     s.varying_2[i] = std::bit_cast<float>(layers[2]);
     s.varying_3[i] = column(3, turn_word >> 8 & 255);
   }
+  bool tilted() const { return base_normal.z < 1; }
   MaterialView materials() const {
     MaterialView view = {records.data(), &GgxTables(), &GetSheenTables(), measured,
                          CoatsForTests()};
@@ -131,6 +156,7 @@ struct ShadingRows {
     view.varied = kernels.tables.coat && records[1].roughness_texture != 0;
     view.two_widths = kernels.two_widths && records[1].multiscatter[2] > 0;
     if (kernels.tables.anisotropic) view.anisotropic = &GetAnisotropicTables();
+    view.base_normals = tilted(), view.flux = flux;
     return view;
   }
 
@@ -151,7 +177,9 @@ struct ShadingRows {
   bool back;
   double turn;
   std::array<std::uint32_t, 4> layers;
+  Vec base_normal;
   const float* measured = nullptr;
+  bool flux = false;  // MaterialView::flux
 };
 
 // The uniforms of n scattering events.

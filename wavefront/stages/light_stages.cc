@@ -19,7 +19,8 @@ constexpr std::uint32_t LightPair(std::uint32_t bounce, SampleUse use) {
 // Evaluates what surfaces send towards the camera, in the directions in w.lights:
 // w.of<LightPathTables>().values.
 void EvaluateConnections(const FrameView& frame, Worker& w) {
-  const MaterialView materials = frame.geometry->materials();
+  MaterialView materials = frame.geometry->materials();
+  materials.flux = true;
   ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
     const std::uint32_t n = rows.n;
     const SurfaceColumns surfaces = Slice(w.surfaces.columns(), rows.begin);

@@ -146,6 +146,9 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
   if (const std::uint32_t* const colors = frame.geometry->vertex_colors()) {
     TintByVertices(colors, ranges.total(), surfaces);
   }
+  if (const NormalMapView bases = frame.geometry->base_normal_maps(); !bases.empty()) {
+    WriteBaseNormals(textures, bases, angle, ranges.total(), surfaces);
+  }
   if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
     BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
@@ -295,6 +298,8 @@ std::uint32_t Scatter(const FrameView& frame, const ShadePoints& points, const S
     DrawUniforms(points.paths, points.surfaces.path + at.begin, at.n,
                  how.end.pairs + SamplePair(how.bounce, use), how.end.split, uniforms);
   };
+  MaterialView materials = points.materials;
+  materials.flux = how.end.transport == Transport::kFlux;
   std::uint32_t appended = 0;
   const BsdfSpan bsdfs = {.first = how.first_kind, .end = kBsdfKinds};
   ForEachBsdf(points.ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
@@ -309,7 +314,7 @@ std::uint32_t Scatter(const FrameView& frame, const ShadePoints& points, const S
                                   .transport = how.end.transport,
                                   .control = known_light != nullptr ? &known : nullptr};
     const std::uint32_t first = appended;
-    appended = bsdf.scatter(Slice(points.surfaces, at.begin), points.materials,
+    appended = bsdf.scatter(Slice(points.surfaces, at.begin), materials,
                             {.direction = direction, .lobe = lobe}, at.n, policy, rays, appended);
     if (known_light != nullptr && bsdf.delta) {
       for (float* column : {control.out.r, control.out.g, control.out.b}) {
