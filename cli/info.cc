@@ -93,9 +93,11 @@ std::vector<Parameter> ListParameters(Material material) {
   if (!material.reflection) material.reflection = material.reflectance;
   std::vector<Parameter> list;
   for (const MaterialParameter& parameter : ParametersOf(Bsdfs()[std::size_t(material.bsdf)])) {
-    Material::ForEachField(material, [&](std::string_view name, MaterialPart, const auto& field) {
-      if (name == parameter.field) list.push_back({std::string(parameter.name), Value(field)});
-    });
+    Material::ForEachField(material,
+                           [&](std::string_view name, MaterialPart part, const auto& field) {
+                             if (name == parameter.field && material.has(part))
+                               list.push_back({std::string(parameter.name), Value(field)});
+                           });
   }
   return list;
 }
@@ -110,7 +112,7 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   Material::ForEachField(
       material, [&](std::string_view name, MaterialPart part, const auto& field) {
         const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture ||
-                             part == MaterialPart::kLayers;
+                             part == MaterialPart::kLayers || part == MaterialPart::kGlassLayers;
         const nlohmann::ordered_json value = Value(field);
         if (!printed && material.has(part) && !value.is_null()) json[std::string(name)] = value;
       });

@@ -159,7 +159,7 @@ struct SurfaceColumns {
   float* light_norm;
   // The parameters of the row's BSDF that vary over a surface; BsdfTraits::varying says which.
   float *varying_0, *varying_1;
-  float *varying_2, *varying_3;  // of Varying::kLayers alone
+  float *varying_2, *varying_3;  // of Varying::kLayers and BsdfTraits::glass_layers alone
   // Likewise, and only with MaterialView::base_normals: the normal of what lies below a coat
   // (EncodeNormal), world space, which may face away from wo, or kSameNormal, where it is ns.
   std::uint32_t* base_normal;
@@ -282,8 +282,8 @@ struct MaterialRecord {
   // share of metal.
   std::uint32_t roughness_texture;
 
-  // The rest is of layered metallic-roughness alone, which keeps its coat and its sheen as coated
-  // metallic-roughness does (Material has their meanings).
+  // The rest is of layered metallic-roughness, which keeps its coat and its sheen as coated
+  // metallic-roughness does (Material has their meanings), and of what lies over glass.
   float specular_color[3];
   float specular;
   float grain[2];  // anisotropy as a vector: cosine and sine of its turn, times its strength
@@ -326,9 +326,12 @@ enum class MaterialField : std::uint32_t {
   kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
-  // Layered metallic-roughness: thickness of the film where its texture is 0, and where it is 1.
+  // Layered metallic-roughness, and glass, which keeps its reflection there: thickness of the film
+  // where its texture is 0, and where it is 1.
   kFilmThin = SKYWAVE_WORD(MaterialRecord, eta[1]),
   kFilmThick = SKYWAVE_WORD(MaterialRecord, eta[2]),
+  kGlassFilmThin = SKYWAVE_WORD(MaterialRecord, grain[0]),
+  kGlassFilmThick = SKYWAVE_WORD(MaterialRecord, grain[1]),
   kSpecularColor = SKYWAVE_WORD(MaterialRecord, specular_color),
   kSpecular = SKYWAVE_WORD(MaterialRecord, specular),
   kGrain = SKYWAVE_WORD(MaterialRecord, grain),  // two words

@@ -53,7 +53,8 @@ MaterialView Geometry::materials() const {
           .two_widths = tables_.two_widths,
           .dielectrics = tables_.dielectrics.data(),
           .anisotropic = tables_.anisotropic,
-          .base_normals = !tables_.base_normal_maps.records.empty()};
+          .base_normals = !tables_.base_normal_maps.records.empty(),
+          .glass_layers = tables_.glass_layers};
 }
 
 TextureView Geometry::textures() const {

@@ -350,6 +350,8 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
     }
     tables.varied = tables.varied || IsVaried(material);
     tables.two_widths = tables.two_widths || (BsdfOf(material).two_widths && material.alpha_across);
+    tables.glass_layers =
+        tables.glass_layers || (BsdfOf(material).glass_layers && !material.reflects_plainly());
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take up to 0.3 s, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();

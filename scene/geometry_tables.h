@@ -58,6 +58,7 @@ struct GeometryTables {
   std::vector<OpacityRecord> opacity;  // by material
   bool varied = false;                 // MaterialView::varied
   bool two_widths = false;             // MaterialView::two_widths
+  bool glass_layers = false;           // MaterialView::glass_layers
   bool absorbs = false;                // light is lost inside some material
   std::vector<float> measured;
   std::vector<CoatTable> coats;              // by kCoatTable of the materials that have one

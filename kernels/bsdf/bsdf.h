@@ -50,6 +50,8 @@ struct MaterialView {
   bool base_normals = false;
   // The surfaces are of paths from lights (Transport::kFlux), which such bases need to know.
   bool flux = false;
+  // Some glass has layers (kernels/bsdf/glass_layers-inl.h): PrepareGlassLayers is called for it.
+  bool glass_layers = false;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
@@ -168,7 +170,8 @@ struct BsdfTraits {
   bool two_widths = false;
   // The field that has the width across the tangent, of facets whose two widths an image may vary.
   std::optional<MaterialField> across = {};
-  bool inside = false;  // light goes through the material itself, which may absorb it
+  bool inside = false;        // light goes through the material itself, which may absorb it
+  bool glass_layers = false;  // glass that may have layers (MaterialView::glass_layers)
   BsdfTables tables = {};
   MaterialParameter parameters[16] = {};  // after the last one they have no name (ParametersOf)
   // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the

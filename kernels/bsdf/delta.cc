@@ -2,7 +2,7 @@
 // a perfect mirror). A dielectric is smooth glass: it reflects with the probability of the
 // unpolarised Fresnel reflectance and refracts otherwise (Snell), where radiance is scaled by the
 // squared index ratio. A thin dielectric is a sheet of it. Both may have another colour for what
-// they reflect (GlassReflection).
+// they reflect (GlassReflection), and layers of glTF (GlassLayers).
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 
@@ -12,6 +12,7 @@
 #include "hwy/highway.h"
 #include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/fresnel-inl.h"
+#include "kernels/bsdf/glass_layers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -67,6 +68,7 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
 // 2 R / (1 + R), and transmitted light goes straight on. With a colour of its own for what it
 // reflects, light is reflected once, at its surface, and everything else goes through, as glTF's
 // KHR_materials_transmission has it: what is reflected within would have the colour of the pane.
+// All reflections of a pane have the colour that its layers give to the first one.
 HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialView& m,
                                       const ScatterUniforms& uniforms, std::uint32_t n,
                                       const ScatterPolicy& policy, const RayColumns& rays,
@@ -83,7 +85,13 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const Refraction refraction = FresnelDielectric(cos_o, ratio);
     const V3 color = ColorOf(s, i);
     const GlassReflection own(m, fields);
+    V3 mirror = own.Or(color);
     VF reflectance = refraction.reflectance;
+    if (const GlassLayers layers(s, m, fields, i, n); layers.any) {
+      const VF outside = thin ? cos_o : layers.Outside(refraction, cos_o);
+      const GlassLayers::Reflection layered = layers.Over(reflectance, outside);
+      reflectance = layered.chance, mirror = mirror * layered.tint;
+    }
     if (thin) {
       const VF both = (reflectance + reflectance) / (one + reflectance);
       reflectance = IfThen(own.given, reflectance, both);
@@ -100,7 +108,7 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     if (policy.transport == Transport::kFlux) {
       factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
     }
-    const V3 weight = IfThen(reflects, own.Or(color), color) * factor;
+    const V3 weight = IfThen(reflects, mirror, color) * factor;
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }
@@ -145,6 +153,7 @@ BsdfKernels DeltaKernels(const BsdfTraits& traits, decltype(BsdfKernels::scatter
 void PackIndex(const Material& m, MeasuredBrdfs, MaterialRecord& r) {
   PutField(r, MaterialField::kIor, m.ior);
   PackReflection(m, r);
+  PackGlassLayers(m, r);
 }
 
 constexpr BsdfTraits kMirrorTraits = {
@@ -156,12 +165,28 @@ constexpr BsdfTraits kDielectricTraits = {.name = "dielectric",
                                           .transmits = true,
                                           .refracts = true,
                                           .inside = true,
-                                          .parameters = {{"ior"}, {"reflection"}},
+                                          .glass_layers = true,
+                                          .parameters = {{"ior"},
+                                                         {"reflection"},
+                                                         {"specular"},
+                                                         {"specular_color"},
+                                                         {"film"},
+                                                         {"film_ior"},
+                                                         {"film_thin"},
+                                                         {"film_thick"}},
                                           .pack = PackIndex};
 constexpr BsdfTraits kThinDielectricTraits = {.name = "thin-dielectric",
                                               .lobed = true,
                                               .transmits = true,
-                                              .parameters = {{"ior"}, {"reflection"}},
+                                              .glass_layers = true,
+                                              .parameters = {{"ior"},
+                                                             {"reflection"},
+                                                             {"specular"},
+                                                             {"specular_color"},
+                                                             {"film"},
+                                                             {"film_ior"},
+                                                             {"film_thin"},
+                                                             {"film_thick"}},
                                               .pack = PackIndex};
 
 }  // namespace

@@ -1,5 +1,6 @@
 // What layers of glTF have for parameters: the sheen of KHR_materials_sheen, whose textures say a
-// tint and a roughness, and the coat of KHR_materials_clearcoat, of index 1.5.
+// tint and a roughness, the coat of KHR_materials_clearcoat, of index 1.5, and what the dielectric
+// reflects by KHR_materials_specular.
 #if defined(SKYWAVE_KERNELS_GLTF_LAYERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_GLTF_LAYERS_INL_H_
 #undef SKYWAVE_KERNELS_GLTF_LAYERS_INL_H_
@@ -21,6 +22,14 @@ struct ClothSheen {
   V3 color;
   VF alpha;
 };
+
+// Returns what a dielectric reflects at normal incidence with a colour and a share of its own, if
+// it reflects `plain` without them.
+HWY_INLINE V3 DielectricF0(VF plain, const V3& color, VF specular) {
+  const auto reflects = [&](VF share)
+                            HWY_ATTR { return hn::Min(plain * share, Set(1.0f)) * specular; };
+  return {reflects(color.x), reflects(color.y), reflects(color.z)};
+}
 
 struct ClearCoat {
   HWY_INLINE ClearCoat(const MaterialView& m, VU fields, VF roughness)

@@ -62,10 +62,7 @@ struct LayeredBase {
     const VF ior = Field(m, fields, kIor), amplitude = (ior - one) / (ior + one);
     const VF specular = Field(m, fields, kSpecular) * Share<3>(Load(s.varying_2 + i));
     const V3 tint = Field3(m, fields, kSpecularColor) * ColorOfRoots(Load(s.varying_2 + i));
-    const auto reflects = [&](VF share) HWY_ATTR {
-      return hn::Min(amplitude * amplitude * share, one) * specular;
-    };
-    const V3 coat = {reflects(tint.x), reflects(tint.y), reflects(tint.z)};
+    const V3 coat = DielectricF0(amplitude * amplitude, tint, specular);
     coat_f0 = MaxComponent(coat), coat_f90 = specular;
     f0 = color * metallic + coat * body;
     f90 = metallic + specular * body;
@@ -306,25 +303,13 @@ namespace {
 void PackLayers(const Material& m, MeasuredBrdfs, MaterialRecord& r) {
   using enum MaterialField;
   PackCoatAndSheen(m, r);
-  PutField(r, kSpecular, m.specular);
-  PutField(r, kSpecularColor, m.specular_color);
   r.grain[0] = m.anisotropy * std::cos(m.anisotropy_turn);
   r.grain[1] = m.anisotropy * std::sin(m.anisotropy_turn);
-  PutField(r, kFilm, m.film);
-  PutField(r, kFilmIor, m.film_ior);
-  PutField(r, kFilmThin, m.film_thin);
-  PutField(r, kFilmThick, m.film_thick);
-  const auto put_texture = [&](MaterialField field, const std::optional<std::uint32_t>& texture) {
-    if (texture) PutField(r, field, *texture + 1);
-  };
-  put_texture(kSheenTexture, m.sheen_texture);
-  put_texture(kSheenAlphaTexture, m.sheen_alpha_texture);
-  put_texture(kCoatAlphaTexture, m.coat_alpha_texture);
-  put_texture(kSpecularTexture, m.specular_texture);
-  put_texture(kSpecularColorTexture, m.specular_color_texture);
-  put_texture(kAnisotropyTexture, m.anisotropy_texture);
-  put_texture(kFilmTexture, m.film_texture);
-  put_texture(kFilmThicknessTexture, m.film_thickness_texture);
+  PackReflectionLayers(m, kFilmThin, kFilmThick, r);
+  PutTexture(r, kSheenTexture, m.sheen_texture);
+  PutTexture(r, kSheenAlphaTexture, m.sheen_alpha_texture);
+  PutTexture(r, kCoatAlphaTexture, m.coat_alpha_texture);
+  PutTexture(r, kAnisotropyTexture, m.anisotropy_texture);
 }
 
 }  // namespace

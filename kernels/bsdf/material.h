@@ -49,7 +49,9 @@ enum class MaterialPart {
   kHoldout,
   kLinks,
   kLayers,
-  kLayerTextures
+  kLayerTextures,
+  kGlassLayers,
+  kGlassLayerTextures
 };
 
 struct Material {
@@ -84,15 +86,15 @@ struct Material {
   float coat_asymmetry = 0;
   glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
   float sheen_alpha = 0.1f;
-  // Layered metallic-roughness: what the dielectric reflects at grazing angles, and the factor of
-  // what it reflects at normal incidence besides.
+  // Layered metallic-roughness and glass: what the dielectric reflects at grazing angles, and the
+  // factor of what it reflects at normal incidence besides.
   float specular = 1;
   glm::vec3 specular_color{1.0f};
   // Share in [0, 1] by whose square the width along the grain goes from alpha to 1, and the angle
   // from the tangent to the grain, counter-clockwise [rad].
   float anisotropy = 0, anisotropy_turn = 0;
-  // Share of the surface that has a thin film, its index, and its thickness where the texture is 0
-  // and where it is 1 or there is none [nm].
+  // And glass: share of the surface that has a thin film, its index, and its thickness where
+  // the texture is 0 and where it is 1 or there is none [nm].
   float film = 0, film_ior = 1.3f, film_thin = 100, film_thick = 400;
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
   // Dielectrics: factor of what they reflect; the reflectance is then that of what they let
@@ -155,6 +157,12 @@ struct Material {
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
 
+  // False: the dielectric reflects a share or a colour of its own, or has a film.
+  bool reflects_plainly() const {
+    return specular == 1 && specular_color == glm::vec3(1) && !specular_texture &&
+           !specular_color_texture && !(film > 0);
+  }
+
   bool has(MaterialPart part) const {
     switch (part) {
       case MaterialPart::kBsdf:
@@ -183,6 +191,9 @@ struct Material {
       case MaterialPart::kLayers:
       case MaterialPart::kLayerTextures:
         return bsdf == BsdfKind::kLayeredMetallicRoughness;
+      case MaterialPart::kGlassLayers:
+      case MaterialPart::kGlassLayerTextures:
+        return has(MaterialPart::kLayers) || !reflects_plainly();
       case MaterialPart::kReflection:
         return reflection.has_value();
       case MaterialPart::kEmission:
@@ -250,22 +261,22 @@ struct Material {
     f("metal_of_color", kMetalOfColor, metal_of_color);
     f("energy_compensation", kSingleScattering, energy_compensation);
     f("second_color_texture", kSecondColorTexture, second_color_texture);
-    f("specular", kLayers, specular);
-    f("specular_color", kLayers, specular_color);
+    f("specular", kGlassLayers, specular);
+    f("specular_color", kGlassLayers, specular_color);
     f("anisotropy", kLayers, anisotropy);
     f("anisotropy_turn", kLayers, anisotropy_turn);
-    f("film", kLayers, film);
-    f("film_ior", kLayers, film_ior);
-    f("film_thin", kLayers, film_thin);
-    f("film_thick", kLayers, film_thick);
+    f("film", kGlassLayers, film);
+    f("film_ior", kGlassLayers, film_ior);
+    f("film_thin", kGlassLayers, film_thin);
+    f("film_thick", kGlassLayers, film_thick);
     f("sheen_texture", kLayerTextures, sheen_texture);
     f("sheen_alpha_texture", kLayerTextures, sheen_alpha_texture);
     f("coat_alpha_texture", kLayerTextures, coat_alpha_texture);
-    f("specular_texture", kLayerTextures, specular_texture);
-    f("specular_color_texture", kLayerTextures, specular_color_texture);
+    f("specular_texture", kGlassLayerTextures, specular_texture);
+    f("specular_color_texture", kGlassLayerTextures, specular_color_texture);
     f("anisotropy_texture", kLayerTextures, anisotropy_texture);
-    f("film_texture", kLayerTextures, film_texture);
-    f("film_thickness_texture", kLayerTextures, film_thickness_texture);
+    f("film_texture", kGlassLayerTextures, film_texture);
+    f("film_thickness_texture", kGlassLayerTextures, film_thickness_texture);
     f("reflection", kReflection, reflection);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);

@@ -28,6 +28,11 @@ void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value) 
   PutWords(record, field, value);
 }
 
+void PutTexture(MaterialRecord& record, MaterialField field,
+                const std::optional<std::uint32_t>& texture) {
+  if (texture) PutField(record, field, *texture + 1);
+}
+
 float MicrofacetWidth(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
 
 void PackConductorIndex(const Material& material, MaterialRecord& record) {
@@ -42,9 +47,7 @@ void PackConductorIndex(const Material& material, MaterialRecord& record) {
 
 void PackAlpha(const Material& material, MaterialRecord& record) {
   PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
-  if (const auto& texture = material.roughness_texture) {
-    PutField(record, MaterialField::kRoughnessTexture, *texture + 1);
-  }
+  PutTexture(record, MaterialField::kRoughnessTexture, material.roughness_texture);
 }
 
 void PackReflection(const Material& material, MaterialRecord& record) {
@@ -52,6 +55,24 @@ void PackReflection(const Material& material, MaterialRecord& record) {
   glm::vec3 reflection = *material.reflection;
   reflection.x = std::max(reflection.x, 1e-30f);  // 0 would look like one that is unset
   PutField(record, MaterialField::kReflection, reflection);
+}
+
+void PackReflectionLayers(const Material& material, MaterialField thin, MaterialField thick,
+                          MaterialRecord& record) {
+  PutField(record, MaterialField::kSpecular, material.specular);
+  PutField(record, MaterialField::kSpecularColor, material.specular_color);
+  PutTexture(record, MaterialField::kSpecularTexture, material.specular_texture);
+  PutTexture(record, MaterialField::kSpecularColorTexture, material.specular_color_texture);
+  PutField(record, MaterialField::kFilm, material.film);
+  PutField(record, MaterialField::kFilmIor, material.film_ior);
+  PutField(record, thin, material.film_thin);
+  PutField(record, thick, material.film_thick);
+  PutTexture(record, MaterialField::kFilmTexture, material.film_texture);
+  PutTexture(record, MaterialField::kFilmThicknessTexture, material.film_thickness_texture);
+}
+void PackGlassLayers(const Material& material, MaterialRecord& record) {
+  PackReflectionLayers(material, MaterialField::kGlassFilmThin, MaterialField::kGlassFilmThick,
+                       record);
 }
 
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of) {
@@ -80,9 +101,7 @@ void PackWidths(const Material& material, MaterialRecord& record) {
 
 void PackSecondColor(const Material& material, MaterialField field, MaterialRecord& record) {
   PutField(record, field, material.second_color);
-  if (const auto& texture = material.second_color_texture) {
-    PutField(record, MaterialField::kSecondTexture, *texture + 1);
-  }
+  PutTexture(record, MaterialField::kSecondTexture, material.second_color_texture);
 }
 
 void PackBodyAndGloss(const Material& material, MaterialRecord& record) {
@@ -114,9 +133,7 @@ MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {
   const BsdfKernels& bsdf = Bsdfs()[std::size_t(material.bsdf)];
   MaterialRecord record = {};
   PutField(record, MaterialField::kColor, material.reflectance);
-  if (const auto& texture = material.color_texture) {
-    PutField(record, MaterialField::kColorTexture, *texture + 1);
-  }
+  PutTexture(record, MaterialField::kColorTexture, material.color_texture);
   if (bsdf.inside) {
     PutField(record, MaterialField::kAbsorption, glm::max(material.absorption, glm::vec3(0)));
   }

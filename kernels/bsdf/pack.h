@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
@@ -16,6 +17,9 @@ namespace skywave {
 void PutField(MaterialRecord& record, MaterialField field, float value);
 void PutField(MaterialRecord& record, MaterialField field, const glm::vec3& value);
 void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value);
+// Writes the row of a texture, if there is one.
+void PutTexture(MaterialRecord& record, MaterialField field,
+                const std::optional<std::uint32_t>& texture);
 
 // Returns a width of microfacets that kernels can take: it is clamped to [0.001, 1].
 float MicrofacetWidth(float alpha);
@@ -26,6 +30,11 @@ void PackConductorIndex(const Material& material, MaterialRecord& record);
 void PackAlpha(const Material& material, MaterialRecord& record);
 // the factor of what a dielectric reflects;
 void PackReflection(const Material& material, MaterialRecord& record);
+// a share and a colour of what a dielectric reflects, and a film of thicknesses in these fields;
+void PackReflectionLayers(const Material& material, MaterialField thin, MaterialField thick,
+                          MaterialRecord& record);
+// those of glass;
+void PackGlassLayers(const Material& material, MaterialRecord& record);
 // what facets reflect more than once, by of(eta, k) of each channel, or 0 without compensation;
 using MultiscatterOf = std::function<float(float eta, float k)>;
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of);

@@ -3,8 +3,8 @@
 // Lambda(wi)) on both sides; refraction scales radiance by the squared index ratio, as smooth glass
 // does. Lobes of both sides return the light that scatters between facets (dielectric_tables.h), so
 // that white glass loses nothing. They are drawn with the probability that light scatters more than
-// once; otherwise a facet is drawn, then reflection with the probability of its Fresnel
-// reflectance.
+// once; otherwise a facet is drawn, then reflection with the probability of its reflectance, which
+// is Fresnel's or that of its layers (GlassLayers). The lobes know nothing of layers.
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
@@ -15,6 +15,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf/bsdf_kernels-inl.h"
+#include "kernels/bsdf/glass_layers-inl.h"
 #include "kernels/bsdf/microfacet-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -71,7 +72,8 @@ struct RoughDielectric {
         color(ColorOf(s, i)),
         reflection(GlassReflection(m, fields).Or(color)),
         ggx(Field(m, fields, kAlpha)),
-        losses(m, fields, i, n) {
+        losses(m, fields, i, n),
+        layers(s, m, fields, i, n) {
     if (m.varied || m.two_widths) ggx = VariedGgx(s, i);
     if (m.two_widths) SplitWidths(s, i, n);
     ratio = IndexRatio(s, m, fields, i);
@@ -162,7 +164,7 @@ struct RoughDielectric {
     h = h * (one / hn::Sqrt(hn::Max(Dot(h, h), Set(1e-20f))));
     h = h * hn::CopySign(one, h.z);
     const VF cos_o = Dot(wo, h), cos_i = Dot(wi, h);
-    const VF fresnel = FresnelDielectric(Clamp(cos_o, 0.0f, 1.0f), ratio).reflectance;
+    const GlassLayers::Reflection facet = Reflect(Clamp(cos_o, 0.0f, 1.0f));
 
     const VF lambda_o = Lambda(wo), lambda_i = Lambda(wi);
     const VF d = Density(h);
@@ -173,14 +175,24 @@ struct RoughDielectric {
     const VF root2 = hn::Max(root * root, Set(1e-20f));
     const VF refracts = hn::Abs(cos_i) * hn::Abs(cos_o) / root2;
     const VF jacobian = IfThen(above, Set(0.25f), refracts);
-    const VF share = IfThen(above, fresnel, one - fresnel);
+    const VF share = IfThen(above, facet.chance, one - facet.chance);
     const VF lobe = over_cos * jacobian * share;
     // Both directions see a facet from its own side.
     const MF seen = hn::And(hn::Gt(cos_o, zero), hn::Gt(cos_i * wi.z, zero));
     const VF visible = hn::IfThenElseZero(seen, lobe);
     const VF g2 = one / (one + lambda_o + lambda_i);
     const VF scale = IfThen(above, one, ratio * ratio);
-    return {ColorTo(above) * (visible * g2 * scale), visible / (one + lambda_o)};
+    V3 tint = ColorTo(above);
+    if (layers.any) tint = IfThen(above, tint * facet.tint, tint);
+    return {tint * (visible * g2 * scale), visible / (one + lambda_o)};
+  }
+  // Returns what a facet reflects of light that meets it at that cosine.
+  HWY_INLINE GlassLayers::Reflection Reflect(VF cosine) const {
+    return Reflect(FresnelDielectric(cosine, ratio), cosine);
+  }
+  HWY_INLINE GlassLayers::Reflection Reflect(const Refraction& refraction, VF cosine) const {
+    if (!layers.any) return {refraction.reflectance, Splat(Set(1.0f))};
+    return layers.Over(refraction.reflectance, layers.Outside(refraction, cosine));
   }
 
   HWY_INLINE BsdfSample Draw(const V3& eye, VF u, VF v, VF lobe) const {
@@ -202,7 +214,7 @@ struct RoughDielectric {
     const Refraction refraction = FresnelDielectric(cosine, ratio);
     const V3 reflected = h * (2.0f * cosine) - wo;
     const V3 refracted = Normalize(h * (ratio * cosine - refraction.cosine) - wo * ratio);
-    const MF reflects = hn::Lt(lobe, refraction.reflectance);
+    const MF reflects = hn::Lt(lobe, Reflect(refraction, cosine).chance);
     const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
     BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi, lost));
     if (any_two_widths) sample.wi = tangent.From(wi);
@@ -218,6 +230,7 @@ struct RoughDielectric {
   V3 color, reflection;  // of what passes, and of what is reflected
   Ggx ggx;
   InterfaceLosses losses;
+  GlassLayers layers;
   bool any_two_widths = false;
   // These exist where some lanes have two widths.
   MF two_widths;
@@ -248,12 +261,23 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .two_widths = true,
     .across = MaterialField::kDielectricAcross,
     .inside = true,
+    .glass_layers = true,
     .tables = {.dielectric = true},
-    .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}, {"reflection"}},
+    .parameters = {{"alpha"},
+                   {"alpha_across"},
+                   {"ior"},
+                   {"reflection"},
+                   {"specular"},
+                   {"specular_color"},
+                   {"film"},
+                   {"film_ior"},
+                   {"film_thin"},
+                   {"film_thick"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
       PackReflection(m, r);
+      PackGlassLayers(m, r);
       if (m.alpha_across) {
         PutField(r, MaterialField::kDielectricAcross, MicrofacetWidth(*m.alpha_across));
       }

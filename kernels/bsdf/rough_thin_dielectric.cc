@@ -1,8 +1,9 @@
 // The rough thin dielectric is a frosted pane: one interface of GGX microfacets (Walter et al.
-// 2007) that reflect by the dielectric's Fresnel reflectance and let the rest through as if it had
-// been reflected and then mirrored to the other side, which is how glTF's
-// KHR_materials_transmission describes surfaces without a volume. Facets are drawn by visible
-// normals (Heitz 2018), then reflection with the probability of its reflectance.
+// 2007) that reflect by the dielectric's Fresnel reflectance, or by that of its layers
+// (GlassLayers), and let the rest through as if it had been reflected and then mirrored to the
+// other side, which is how glTF's KHR_materials_transmission describes surfaces without a volume.
+// Facets are drawn by visible normals (Heitz 2018), then reflection with the probability of its
+// reflectance.
 //
 // As reflection and transmission have mirrored lobes, both together lose what white facets lose, so
 // lobes of Kulla and Conty 2017 return it: (1 - E(wo)) (1 - E(wi)) / (pi (1 - mean E)), split
@@ -18,6 +19,7 @@
 #include "hwy/highway.h"
 #include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
+#include "kernels/bsdf/glass_layers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -36,10 +38,14 @@ struct RoughThinDielectric {
         ggx(m.varied ? VariedGgx(s, i) : Ggx(Field(m, fields, kAlpha))),
         tables(*m.conductor),
         ratio(1.0f / Field(m, fields, kIor)),
-        through(Field(m, fields, kDiffuseThrough)) {}
+        through(Field(m, fields, kDiffuseThrough)),
+        layers(s, m, fields, i, n) {}
 
-  HWY_INLINE VF Reflectance(VF cosine) const {
-    return FresnelDielectric(Clamp(cosine, 0.0f, 1.0f), ratio).reflectance;
+  // Returns what a facet reflects of light that meets it at that cosine.
+  HWY_INLINE GlassLayers::Reflection Reflect(VF cosine) const {
+    const VF plain = FresnelDielectric(Clamp(cosine, 0.0f, 1.0f), ratio).reflectance;
+    if (!layers.any) return {plain, Splat(Set(1.0f))};
+    return layers.Over(plain, cosine);
   }
   // Returns the share of light from w that facets scatter more than once.
   HWY_INLINE VF Lost(const V3& w) const {
@@ -55,17 +61,20 @@ struct RoughThinDielectric {
     const MF above = hn::Gt(wi.z, hn::Zero(F()));
     const V3 mirrored = {wi.x, wi.y, hn::Abs(wi.z)};
     const V3 h = Ggx::HalfVector(wo, mirrored);
-    const VF reflectance = Reflectance(Dot(wo, h));
+    const GlassLayers::Reflection facet = Reflect(Dot(wo, h));
     const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(mirrored);
     const VF quarter_over_cos = 0.25f / hn::Max(wo.z, Set(1e-6f));
-    const VF lobe = IfThen(above, reflectance, one - reflectance) * (d * quarter_over_cos);
+    const VF share = IfThen(above, facet.chance, one - facet.chance);
+    const VF lobe = share * (d * quarter_over_cos);
     const VF visible = lobe / (one + lambda_o);
 
     const VF diffuse = IfThen(above, one - through, through) * (mirrored.z * kInvPi);
     const VF mean_lost = hn::Max(one - ggx.Mean(tables.padded_mean_albedo), Set(1e-6f));
     const VF again = diffuse * (lost_o * Lost(wi) / mean_lost);
-    return {IfThen(above, reflection, color) * (lobe / (one + lambda_o + lambda_i) + again),
+    V3 mirror = reflection;
+    if (layers.any) mirror = mirror * facet.tint;
+    return {IfThen(above, mirror, color) * (lobe / (one + lambda_o + lambda_i) + again),
             visible + lost_o * (diffuse - visible)};
   }
 
@@ -78,7 +87,7 @@ struct RoughThinDielectric {
     const VF cosine = Dot(wo, h);
     const V3 up = IfThen(again, CosineHemisphere(u, v), h * (2.0f * cosine) - wo);
     const MF passes = hn::Or(hn::And(again, hn::Lt(lobe, lost * through)),
-                             hn::AndNot(again, hn::Ge(rest, Reflectance(cosine))));
+                             hn::AndNot(again, hn::Ge(rest, Reflect(cosine).chance)));
     const V3 wi = {up.x, up.y, IfThen(passes, -up.z, up.z)};
     BsdfSample sample = SampleOf(wi, Evaluate(wo, wi, lost));
     // A reflection into the surface meets the facets again: the lobes return it.
@@ -92,6 +101,7 @@ struct RoughThinDielectric {
   const ConductorTables& tables;
   VF ratio;    // index outside over index inside
   VF through;  // of the light that facets scatter more than once: it passes
+  GlassLayers layers;
 };
 
 SKYWAVE_BSDF_KERNELS(RoughThinDielectric)
@@ -108,12 +118,22 @@ inline constexpr BsdfTraits RoughThinDielectricTraits = {
     .lobed = true,
     .varying = Varying::kAlpha,
     .transmits = true,
+    .glass_layers = true,
     .tables = {.ggx = true},
-    .parameters = {{"alpha"}, {"ior"}, {"reflection"}},
+    .parameters = {{"alpha"},
+                   {"ior"},
+                   {"reflection"},
+                   {"specular"},
+                   {"specular_color"},
+                   {"film"},
+                   {"film_ior"},
+                   {"film_thin"},
+                   {"film_thick"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
       PackReflection(m, r);
+      PackGlassLayers(m, r);
       if (m.energy_compensation) {
         PutField(r, HWY_NAMESPACE::RoughThinDielectric::kDiffuseThrough,
                  DiffuseTransmittance(m.ior));

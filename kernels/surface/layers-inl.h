@@ -3,8 +3,11 @@
 //
 //   varying_0  roughness, metallic, coat roughness, sheen roughness
 //   varying_1  square root of the factor of the sheen: red, green, blue; turn of the grain, low
-//   byte varying_2  square root of that of the specular colour, likewise; specular varying_3  film,
-//   thickness of the film, anisotropy; turn of the grain, high byte
+//              byte
+//   varying_2  square root of that of the specular colour, likewise; specular
+//   varying_3  film, thickness of the film, anisotropy; turn of the grain, high byte
+//
+// Glass has varying_2 and the first two bytes of varying_3 as well (BsdfTraits::glass_layers).
 //
 // Images have bytes, too, but for colours, whose square roots lose no more by being held so than by
 // sRGB. Factors, which every surface of a material shares, stand in its record and lose nothing.

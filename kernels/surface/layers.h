@@ -1,4 +1,4 @@
-// The textures of layered metallic-roughness at a hit.
+// The textures of layered metallic-roughness, and of the layers of glass, at a hit.
 #pragma once
 
 #include <cstdint>
@@ -13,5 +13,10 @@ namespace skywave {
 void PrepareLayers(const TextureView& textures, const MaterialRecord* materials,
                    const std::uint32_t* tangents, float pixel_angle, std::uint32_t n,
                    const SurfaceColumns& surfaces);
+
+// Writes what the textures of glass say to varying_2 and varying_3 of rows [0, n), whose BSDF has
+// BsdfTraits::glass_layers. `textures` may be empty.
+void PrepareGlassLayers(const TextureView& textures, const MaterialRecord* materials,
+                        float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
 
 }  // namespace skywave

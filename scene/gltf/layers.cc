@@ -22,18 +22,6 @@ void SetSpecular(GltfTextures& context, const tinygltf::Value& extension, Materi
       GltfTextureOf(context, extension, "specularColorTexture", Encoding::kSrgb);
 }
 
-void SetAnisotropy(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
-  material.anisotropy = GltfFractionOf(context, extension, "anisotropyStrength", 0);
-  material.anisotropy_turn = float(GltfNumber(extension, "anisotropyRotation", 0));
-  if (!(std::abs(material.anisotropy_turn) <= 1e6f)) {
-    WarnOfMaterial(context, "anisotropyRotation is not supported: 0 is used");
-    material.anisotropy_turn = 0;
-  }
-  if (!(material.anisotropy > 0)) return;
-  material.anisotropy_texture =
-      GltfTextureOf(context, extension, "anisotropyTexture", Encoding::kLinear);
-}
-
 void SetFilm(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
   const float factor = GltfFractionOf(context, extension, "iridescenceFactor", 0);
   if (!(factor > 0)) return;
@@ -52,21 +40,26 @@ void SetFilm(GltfTextures& context, const tinygltf::Value& extension, Material& 
       GltfTextureOf(context, extension, "iridescenceThicknessTexture", Encoding::kLinear);
 }
 
+void SetAnisotropy(GltfTextures& context, const tinygltf::Value& extension, Material& material) {
+  material.anisotropy = GltfFractionOf(context, extension, "anisotropyStrength", 0);
+  material.anisotropy_turn = float(GltfNumber(extension, "anisotropyRotation", 0));
+  if (!(std::abs(material.anisotropy_turn) <= 1e6f)) {
+    WarnOfMaterial(context, "anisotropyRotation is not supported: 0 is used");
+    material.anisotropy_turn = 0;
+  }
+  if (!(material.anisotropy > 0)) return;
+  material.anisotropy_texture =
+      GltfTextureOf(context, extension, "anisotropyTexture", Encoding::kLinear);
+}
+
 // Sets what only layered metallic-roughness has, in the part of a material that reflects. Factors
 // that change nothing leave the material as it is.
 void SetLayers(GltfTextures& context, const tinygltf::Material& from, Material& material) {
-  if (const auto* const extension = GltfExtension(from, khr::kSpecular)) {
-    SetSpecular(context, *extension, material);
-  }
+  SetGltfReflection(context, from, material);
   if (const auto* const extension = GltfExtension(from, khr::kAnisotropy)) {
     SetAnisotropy(context, *extension, material);
   }
-  if (const auto* const extension = GltfExtension(from, khr::kIridescence)) {
-    SetFilm(context, *extension, material);
-  }
-  const bool reflects_alike = material.specular == 1 && material.specular_color == glm::vec3(1) &&
-                              !material.specular_texture && !material.specular_color_texture;
-  if (!reflects_alike || material.anisotropy > 0 || material.film > 0) {
+  if (!material.reflects_plainly() || material.anisotropy > 0) {
     material.bsdf = BsdfKind::kLayeredMetallicRoughness;
   }
 }
@@ -98,6 +91,15 @@ void AddLayer(bool rich, Material& material) {
 }
 
 }  // namespace
+
+void SetGltfReflection(GltfTextures& context, const tinygltf::Material& from, Material& material) {
+  if (const auto* const extension = GltfExtension(from, khr::kSpecular)) {
+    SetSpecular(context, *extension, material);
+  }
+  if (const auto* const extension = GltfExtension(from, khr::kIridescence)) {
+    SetFilm(context, *extension, material);
+  }
+}
 
 Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Material base) {
   SetLayers(context, from, base);

@@ -12,4 +12,8 @@ namespace skywave {
 // is a mixture, as the extension's layer is linear in its strength.
 Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Material base);
 
+// Gives a part of a material what its dielectric reflects by KHR_materials_specular and
+// KHR_materials_iridescence.
+void SetGltfReflection(GltfTextures& context, const tinygltf::Material& from, Material& material);
+
 }  // namespace skywave

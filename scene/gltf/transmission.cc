@@ -36,8 +36,8 @@ glm::vec3 Absorption(GltfTextures& context, const tinygltf::Value& volume) {
   return absorption;
 }
 
-// Returns the glass that transmits in the base colour and reflects white. Without a volume, the
-// extension describes a thin pane.
+// Returns the glass that transmits in the base colour and reflects white, or what its layers
+// make of that. Without a volume, the extension describes a thin pane.
 Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Material& base) {
   const tinygltf::Value* const volume = GltfExtension(from, khr::kVolume);
   const bool solid = volume != nullptr && GltfNumber(*volume, "thicknessFactor", 0) > 0;
@@ -52,6 +52,7 @@ Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Ma
     glass.bsdf = smooth ? BsdfKind::kThinDielectric : BsdfKind::kRoughThinDielectric;
   }
   if (smooth) glass.roughness_texture.reset();
+  SetGltfReflection(context, from, glass);
   return glass;
 }
 
@@ -105,15 +106,21 @@ Material TransmittingGltf(GltfTextures& context, const tinygltf::Material& from,
   if (!(glass.number > 0 || sheet.number > 0) || all_metal) {
     return LayeredGltf(context, from, std::move(base));
   }
-  constexpr std::pair<const char*, const char*> kOpaqueOnly[] = {{khr::kClearcoat, "the coat"},
-                                                                 {khr::kSheen, "the sheen"},
-                                                                 {khr::kSpecular, "its colour"},
-                                                                 {khr::kAnisotropy, "its grain"},
-                                                                 {khr::kIridescence, "the film"}};
-  for (const auto& [extension_name, what] : kOpaqueOnly) {
-    if (GltfExtension(from, extension_name) == nullptr) continue;
+  struct Layer {
+    const char *extension, *what;
+    bool over_glass;
+  };
+  constexpr Layer kLayers[] = {{khr::kClearcoat, "the coat", false},
+                               {khr::kSheen, "the sheen", false},
+                               {khr::kAnisotropy, "its grain", false},
+                               {khr::kSpecular, "its colour", true},
+                               {khr::kIridescence, "the film", true}};
+  for (const Layer& layer : kLayers) {
+    const bool is_lost = sheet.number > 0 || !layer.over_glass;
+    if (!is_lost || GltfExtension(from, layer.extension) == nullptr) continue;
     WarnOfMaterial(context,
-                   fmt::format("{}: what transmits is rendered without {}", extension_name, what));
+                   fmt::format("{}: what transmits{} is rendered without {}", layer.extension,
+                               layer.over_glass ? " diffusely" : "", layer.what));
   }
   const auto partial = [](const GltfShare& share) { return share.texture || share.number < 1; };
   const auto body = [&] {

@@ -81,12 +81,20 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     // These are parameters of BSDFs that list them.
-    if (part == MaterialPart::kReflection || part == MaterialPart::kLayers) return;
+    if (part == MaterialPart::kReflection || part == MaterialPart::kLayers ||
+        part == MaterialPart::kGlassLayers) {
+      return;
+    }
     if (part == MaterialPart::kLinks) return;  // bits that the options of links set
     const bool inside = part != MaterialPart::kAbsorption || traits.inside;
     const bool coat = part != MaterialPart::kCoatMedium || traits.tables.coat;
-    const bool layers = part != MaterialPart::kLayerTextures || traits.varying == Varying::kLayers;
-    if (part != MaterialPart::kBsdf && inside && coat && layers) fields.push_back({name, name});
+    const bool has_layers = traits.varying == Varying::kLayers;
+    const bool layers = part != MaterialPart::kLayerTextures || has_layers;
+    const bool of_glass =
+        part != MaterialPart::kGlassLayerTextures || has_layers || traits.glass_layers;
+    if (part != MaterialPart::kBsdf && inside && coat && layers && of_glass) {
+      fields.push_back({name, name});
+    }
   });
   return fields;
 }

@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <map>
 #include <set>
 #include <string_view>
@@ -15,13 +13,10 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/changed_field.h"
+#include "tests/support/shading_rows.h"
 
 namespace skywave {
 namespace {
-
-auto WordsOf(const MaterialRecord& record) {
-  return std::bit_cast<std::array<std::uint32_t, 1 << kLogMaterialWords>>(record);
-}
 
 TEST(Material, VisitsEveryMemberButTheName) {
   const Material m;
@@ -128,7 +123,7 @@ TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     if (part == MaterialPart::kBsdf || part == MaterialPart::kReflection ||
-        part == MaterialPart::kLayers) {
+        part == MaterialPart::kLayers || part == MaterialPart::kGlassLayers) {
       fields.insert(name);
     }
   });
@@ -157,6 +152,8 @@ TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
           bsdf_.across)) ||
         (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
         (part == MaterialPart::kLayerTextures && bsdf_.varying == Varying::kLayers) ||
+        (part == MaterialPart::kGlassLayerTextures &&
+         (bsdf_.glass_layers || bsdf_.varying == Varying::kLayers)) ||
         (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
          !bsdf_.name.starts_with("coated")) ||
         (part == MaterialPart::kSingleScattering &&

@@ -3,6 +3,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -272,10 +273,37 @@ TEST_F(GltfLayers, FactorsThatChangeNothingLeaveTheSimplerMaterial) {
   EXPECT_EQ(Body(scene).bsdf, BsdfKind::kMetallicRoughness);
 }
 
-TEST_F(GltfLayers, GlassHasNoFilmWhichIsSaid) {
-  const Scene scene = ReadWith({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
-                                {"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}});
-  EXPECT_NE(scene.warnings.at(0).find("without the film"), std::string::npos);
+TEST_F(GltfLayers, GlassHasItsColourAndItsFilm) {
+  const json film = {{"iridescenceFactor", 0.75},
+                     {"iridescenceIor", 1.5},
+                     {"iridescenceTexture", texture_},
+                     {"iridescenceThicknessTexture", texture_}};
+  for (const double thickness : {0.0, 1.0}) {
+    const Scene scene = ReadWith({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                  {"KHR_materials_volume", {{"thicknessFactor", thickness}}},
+                                  {"KHR_materials_specular", {{"specularFactor", 0.25}}},
+                                  {"KHR_materials_iridescence", film}});
+    EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+    const BsdfKind kind =
+        thickness > 0 ? BsdfKind::kRoughDielectric : BsdfKind::kRoughThinDielectric;
+    const auto glass = std::find_if(scene.materials.begin(), scene.materials.end(),
+                                    [&](const Material& part) { return part.bsdf == kind; });
+    ASSERT_NE(glass, scene.materials.end());
+    EXPECT_EQ(glass->specular, 0.25f);
+    EXPECT_EQ(glass->film_ior, 1.5f);
+    EXPECT_EQ(Red(scene, glass->film_texture), 0.75f) << "times its factor";
+    EXPECT_TRUE(glass->film_thickness_texture);
+  }
+}
+
+TEST_F(GltfLayers, DiffuseTransmissionHasNeitherWhichIsSaid) {
+  const Scene scene =
+      ReadWith({{"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 1}}},
+                {"KHR_materials_specular", {{"specularFactor", 0.5}}},
+                {"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}});
+  const std::string said = fmt::format("{}", fmt::join(scene.warnings, "\n"));
+  EXPECT_NE(said.find("diffusely is rendered without its colour"), std::string::npos) << said;
+  EXPECT_NE(said.find("diffusely is rendered without the film"), std::string::npos) << said;
 }
 
 }  // namespace

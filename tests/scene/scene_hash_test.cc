@@ -155,6 +155,8 @@ TEST(SceneHash, MatchesRecordedValues) {
   conductor.second_color_texture.reset();
   conductor.reflection.reset();
   conductor.own_base_normals = false;
+  conductor.film = 0, conductor.specular_texture.reset();
+  conductor.specular_color_texture.reset();
   EXPECT_EQ(HashOf(conductor), 0x3029de41f722c611u);
 }
 

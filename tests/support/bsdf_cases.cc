@@ -230,6 +230,25 @@ std::vector<MaterialCase> MakeDenseCases() {
                                 .energy_compensation = false},
                                {}),
                   true});
+  // Layers that images change: films are thinner, and left out in parts.
+  const auto oily = [](Material glass) {
+    glass.reflection = glm::vec3(1, 0.8f, 0.5f);
+    glass.specular = 0.9f, glass.specular_color = {2, 1, 0.5f};
+    glass.film = 0.9f, glass.film_ior = 1.7f, glass.film_thin = 200, glass.film_thick = 600;
+    return glass;
+  };
+  const std::array<std::uint32_t, 4> images = {~0u, ~0u, 0xE0C090FF, 0xFFFF60D0};
+  list.push_back(
+      {"PaneOily", kRoughThinDielectric,
+       PackMaterial(
+           oily({.bsdf = kRoughThinDielectric, .reflectance = {0.9f, 0.6f, 0.2f}, .alpha = 0.15f}),
+           {}),
+       false, 0, images});
+  for (const bool back : {false, true}) {
+    list.push_back({std::string("Oily") + (back ? "Inside" : "Outside"), kRoughDielectric,
+                    RecordOfGlass(oily(RoughGlass(0.2f, 1.5f)), MakeDielectricTable(0.2f, 1.5f)),
+                    back, 0, images});
+  }
   list.push_back({"Measured", kMeasured, {.color = {1, 1, 1}, .alpha = 0.3f, .ior = 0.6f}});
   return list;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <glm/common.hpp>
 #include <map>
 #include <utility>
 
@@ -17,6 +17,31 @@
 #include "tests/support/oracle_bsdf.h"
 
 namespace skywave {
+GlassFacet FacetOfGlass(const MaterialCase& material, double cosine, double near, double far) {
+  const MaterialRecord& m = material.record;
+  const double fresnel = RealFresnel(cosine, near / far);
+  const bool layered = m.specular_color[1] > 0 && fresnel < 1;  // PackMaterial gives it a colour
+  if (!layered) return {glm::dvec3(fresnel), fresnel};
+  const auto byte = [&](std::size_t column, int k) {
+    return (material.layers[column] >> (8 * k) & 255) / 255.0;
+  };
+  const double f = Square((m.ior - 1.0) / (m.ior + 1.0)), specular = m.specular * byte(2, 3);
+  glm::dvec3 f0;
+  for (int c = 0; c < 3; ++c) {
+    f0[c] = std::min(f * m.specular_color[c] * Square(byte(2, c)), 1.0) * specular;
+  }
+  GlassFacet facet;
+  facet.rgb = glm::mix(f0, glm::dvec3(specular), std::max((fresnel - f) / (1 - f), 0.0));
+  if (const double film = m.film * byte(3, 0); film > 0) {
+    const double nm = std::lerp(double(m.grain[0]), double(m.grain[1]), byte(3, 1));
+    const double outside =
+        near == 1 ? cosine : std::sqrt(std::max(0.0, 1 - Square(near) * (1 - Square(cosine))));
+    facet.rgb = glm::mix(facet.rgb, ThinFilmFormula(f0, m.film_ior, nm, outside), film);
+  }
+  facet.largest = std::max({facet.rgb.x, facet.rgb.y, facet.rgb.z});
+  return facet;
+}
+
 namespace {
 
 // The equations are those of the abstract model of Portsmouth et al. 2025.
@@ -77,7 +102,8 @@ FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
   if (oh <= 0 || ih * wi.z <= 0) return out;
   const double d = GgxDensity(h, x, y);
   const double lo = GgxLambda(wo, x, y), li = GgxLambda(wi, x, y);
-  const double f = RealFresnel(oh, near / far);
+  const GlassFacet facet = FacetOfGlass(material, oh, near, far);
+  const double f = facet.largest;
   const double visible = d * oh / (wo.z * (1 + lo));  // density of h
   double value = 0;
   if (reflects) {
@@ -88,7 +114,9 @@ FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
     out.pdf = (1 - f) * visible * jacobian;
     value = (1 - f) * d / (1 + lo + li) * oh / wo.z * jacobian * Square(near / far);
   }
-  for (int c = 0; c < 3; ++c) out.rgb[c] = GlassColor(m, reflects)[c] * value;
+  for (int c = 0; c < 3; ++c) {
+    out.rgb[c] = GlassColor(m, reflects)[c] * value * (reflects ? facet.rgb[c] / f : 1);
+  }
   return out;
 }
 
@@ -199,10 +227,12 @@ FormulaValue CoatedDiffuseTransmissionFormula(const MaterialRecord& m, Vec wo, V
 
 // A conductor's lobe that reflects by glass's Fresnel, and one that is mirrored to the other side;
 // and what both lose, of which diffuse light's share goes through (Kulla and Conty 2017).
-FormulaValue RoughThinDielectricFormula(const MaterialRecord& m, Vec wo, Vec wi) {
+FormulaValue RoughThinDielectricFormula(const MaterialCase& material, Vec wo, Vec wi) {
+  const MaterialRecord& m = material.record;
   const bool reflects = wi.z > 0;
   const Vec up = {wi.x, wi.y, std::fabs(wi.z)}, h = HalfOf(wo, up);
-  const double f = RealFresnel(std::min(Dot(wo, h), 1.0), 1 / double(m.ior));
+  const GlassFacet facet = FacetOfGlass(material, std::min(Dot(wo, h), 1.0), 1, m.ior);
+  const double f = facet.largest;
   const double lo = GgxLambda(wo, m.alpha, m.alpha), li = GgxLambda(up, m.alpha, m.alpha);
   const double lobe = (reflects ? f : 1 - f) * GgxDensity(h, m.alpha, m.alpha) / (4 * wo.z);
   FormulaValue out;
@@ -216,7 +246,9 @@ FormulaValue RoughThinDielectricFormula(const MaterialRecord& m, Vec wo, Vec wi)
     value += share * lost(wo) * lost(up) / (1 - mean);
     out.pdf += lost(wo) * (share - out.pdf);
   }
-  for (int c = 0; c < 3; ++c) out.rgb[c] = GlassColor(m, reflects)[c] * value;
+  for (int c = 0; c < 3; ++c) {
+    out.rgb[c] = GlassColor(m, reflects)[c] * value * (reflects ? facet.rgb[c] / f : 1);
+  }
   return out;
 }
 
@@ -372,7 +404,7 @@ FormulaValue BaseFormula(BsdfKind base, const MaterialRecord& m, Vec wo, Vec wi)
   // Building a material integrates the scattering of facets, so the last one is cached.
   static std::optional<std::pair<BsdfKind, MaterialRecord>> last;
   static OracleMaterial exact;
-  if (!last || last->first != base || std::memcmp(&last->second, &m, sizeof m) != 0) {
+  if (!last || last->first != base || WordsOf(last->second) != WordsOf(m)) {
     last = {base, m};
     exact = MakeOracleMaterial({.bsdf = base,
                                 .reflectance = {m.color[0], m.color[1], m.color[2]},
@@ -481,7 +513,7 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
     case BsdfKind::kCoatedDiffuseTransmission:
       return CoatedDiffuseTransmissionFormula(m, wo, wi);
     case BsdfKind::kRoughThinDielectric:
-      return RoughThinDielectricFormula(m, wo, wi);
+      return RoughThinDielectricFormula(material, wo, wi);
     case BsdfKind::kGlossyDiffuse:
       return GlossyDiffuseFormula(material, wo, wi);
     case BsdfKind::kFresnelBlend:

@@ -1,6 +1,8 @@
 // What each BSDF is by the papers, apart from the kernels.
 #pragma once
 
+#include <glm/vec3.hpp>
+
 #include "tests/support/shading_rows.h"
 
 namespace skywave {
@@ -13,6 +15,14 @@ struct FormulaValue {
   bool known = true;
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
+
+// What a facet of glass reflects of light at a cosine, on the side of index `near`: Fresnel's
+// reflectance, or what its layers make of it, whose brightest channel decides what goes through.
+struct GlassFacet {
+  glm::dvec3 rgb;
+  double largest;
+};
+GlassFacet FacetOfGlass(const MaterialCase& material, double cosine, double near, double far);
 
 // Returns what a padded table of means has for a width.
 double MeanAt(const float* table, double alpha);

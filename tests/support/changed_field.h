@@ -25,6 +25,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .sheen_alpha = 0.25f,
           .anisotropy = 0.5f,
           .anisotropy_turn = 0.3f,
+          .film = 0.5f,
           .reflection = glm::vec3(0.75f, 0.5f, 0.25f),
           .absorption = {1, 2, 3},
           .color_texture = 1,

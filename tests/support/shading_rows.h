@@ -17,13 +17,18 @@
 
 namespace skywave {
 
+// Returns the words of a record, by which records are compared.
+inline auto WordsOf(const MaterialRecord& record) {
+  return std::bit_cast<std::array<std::uint32_t, 1 << kLogMaterialWords>>(record);
+}
+
 struct MaterialCase {
   std::string name;
   BsdfKind kind;
   MaterialRecord record;
   bool back = false;  // seen from the side opposite to the mesh's normals
   double turn = 0;    // from the frame's first axis to the tangent [rad]
-  // Of Varying::kLayers; the bytes of the turn are added.
+  // Of Varying::kLayers and of the layers of glass; the bytes of the turn are added.
   std::array<std::uint32_t, 4> layers = {~0u, ~0u, ~0u, ~0u};
   Vec base_normal = {0, 0, 1};  // of what lies below a coat, in the frame of the tangent
 };
@@ -133,6 +138,10 @@ struct ShadingRows {
     if (kernels.varying == Varying::kCoatWidths) s.varying_1[i] = records[1].multiscatter[1];
     const float word = FacetTurnOf(back ? -turn : turn, across);
     if (across > 0) s.varying_1[i] = word;
+    if (kernels.glass_layers) {
+      s.varying_2[i] = std::bit_cast<float>(layers[2]);
+      s.varying_3[i] = std::bit_cast<float>(layers[3]);
+    }
     if (kernels.varying == Varying::kLayers) SetLayers(i, std::bit_cast<std::uint32_t>(word));
     const Vec base = TangentFrame(shading, turn).From(base_normal);
     s.base_normal[i] =
@@ -157,6 +166,8 @@ struct ShadingRows {
     view.two_widths = kernels.two_widths && records[1].multiscatter[2] > 0;
     if (kernels.tables.anisotropic) view.anisotropic = &GetAnisotropicTables();
     view.base_normals = tilted(), view.flux = flux;
+    // Records that were not packed (PackMaterial) have no colour there.
+    view.glass_layers = kernels.glass_layers && records[1].specular_color[1] > 0;
     return view;
   }
 

@@ -156,6 +156,9 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
     const std::uint32_t n = at.n;
     const SurfaceColumns rows = Slice(surfaces, at.begin);
     if (frame.geometry->absorbs() && bsdf.inside) AbsorbInside(materials, n, rows);
+    if (view.glass_layers && bsdf.glass_layers) {
+      PrepareGlassLayers(textures, materials, angle, n, rows);
+    }
     switch (bsdf.varying) {
       case Varying::kNothing:
         break;
