@@ -95,8 +95,8 @@ std::vector<Parameter> ListParameters(Material material) {
   for (const MaterialParameter& parameter : ParametersOf(Bsdfs()[std::size_t(material.bsdf)])) {
     Material::ForEachField(material,
                            [&](std::string_view name, MaterialPart part, const auto& field) {
-                             if (name == parameter.field && material.has(part))
-                               list.push_back({std::string(parameter.name), Value(field)});
+                             if (name != parameter.field || !material.has(part)) return;
+                             list.push_back({std::string(parameter.name), Value(field)});
                            });
   }
   return list;

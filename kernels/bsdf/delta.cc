@@ -160,34 +160,19 @@ constexpr BsdfTraits kMirrorTraits = {
     .name = "mirror",
     .parameters = {{"eta"}, {"k"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackConductorIndex(m, r); }};
-constexpr BsdfTraits kDielectricTraits = {.name = "dielectric",
-                                          .lobed = true,
-                                          .transmits = true,
-                                          .refracts = true,
-                                          .inside = true,
-                                          .glass_layers = true,
-                                          .parameters = {{"ior"},
-                                                         {"reflection"},
-                                                         {"specular"},
-                                                         {"specular_color"},
-                                                         {"film"},
-                                                         {"film_ior"},
-                                                         {"film_thin"},
-                                                         {"film_thick"}},
-                                          .pack = PackIndex};
-constexpr BsdfTraits kThinDielectricTraits = {.name = "thin-dielectric",
-                                              .lobed = true,
-                                              .transmits = true,
-                                              .glass_layers = true,
-                                              .parameters = {{"ior"},
-                                                             {"reflection"},
-                                                             {"specular"},
-                                                             {"specular_color"},
-                                                             {"film"},
-                                                             {"film_ior"},
-                                                             {"film_thin"},
-                                                             {"film_thick"}},
-                                              .pack = PackIndex};
+constexpr BsdfTraits kDielectricTraits = WithGlassLayers({.name = "dielectric",
+                                                          .lobed = true,
+                                                          .transmits = true,
+                                                          .refracts = true,
+                                                          .inside = true,
+                                                          .parameters = {{"ior"}, {"reflection"}},
+                                                          .pack = PackIndex});
+constexpr BsdfTraits kThinDielectricTraits =
+    WithGlassLayers({.name = "thin-dielectric",
+                     .lobed = true,
+                     .transmits = true,
+                     .parameters = {{"ior"}, {"reflection"}},
+                     .pack = PackIndex});
 
 }  // namespace
 

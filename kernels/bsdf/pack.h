@@ -1,6 +1,7 @@
 // How a material becomes a MaterialRecord: what BSDFs need to write their `pack` (BsdfTraits).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -50,6 +51,18 @@ void PackBodyAndGloss(const Material& material, MaterialRecord& record);
 void PackMetallicRoughness(const Material& material, MaterialRecord& record);
 // these and what lies over it: coat and sheen.
 void PackCoatAndSheen(const Material& material, MaterialRecord& record);
+
+// Returns the traits of a BSDF of glass, which may also have the layers that PackGlassLayers packs.
+constexpr BsdfTraits WithGlassLayers(BsdfTraits traits) {
+  std::size_t count = 0;
+  while (!traits.parameters[count].name.empty()) ++count;
+  for (const char* const name :
+       {"specular", "specular_color", "film", "film_ior", "film_thin", "film_thick"}) {
+    traits.parameters[count++] = {name};
+  }
+  traits.glass_layers = true;
+  return traits;
+}
 
 // Returns the record of `material`: the fields that all BSDFs have and those that its own BSDF
 // packs. Materials name the tables `measured` by their index.

@@ -252,38 +252,28 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits RoughDielectricTraits = {
-    .name = "rough-dielectric",
-    .lobed = true,
-    .varying = Varying::kAlpha,
-    .transmits = true,
-    .refracts = true,
-    .two_widths = true,
-    .across = MaterialField::kDielectricAcross,
-    .inside = true,
-    .glass_layers = true,
-    .tables = {.dielectric = true},
-    .parameters = {{"alpha"},
-                   {"alpha_across"},
-                   {"ior"},
-                   {"reflection"},
-                   {"specular"},
-                   {"specular_color"},
-                   {"film"},
-                   {"film_ior"},
-                   {"film_thin"},
-                   {"film_thick"}},
-    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PackAlpha(m, r);
-      PutField(r, MaterialField::kIor, m.ior);
-      PackReflection(m, r);
-      PackGlassLayers(m, r);
-      if (m.alpha_across) {
-        PutField(r, MaterialField::kDielectricAcross, MicrofacetWidth(*m.alpha_across));
-      }
-      if (!m.energy_compensation) return;
-      PutField(r, MaterialField::kDielectricTransmittance, DiffuseTransmittance(m.ior));
-    }};
+inline constexpr BsdfTraits RoughDielectricTraits = WithGlassLayers(
+    {.name = "rough-dielectric",
+     .lobed = true,
+     .varying = Varying::kAlpha,
+     .transmits = true,
+     .refracts = true,
+     .two_widths = true,
+     .across = MaterialField::kDielectricAcross,
+     .inside = true,
+     .tables = {.dielectric = true},
+     .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}, {"reflection"}},
+     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+       PackAlpha(m, r);
+       PutField(r, MaterialField::kIor, m.ior);
+       PackReflection(m, r);
+       PackGlassLayers(m, r);
+       if (m.alpha_across) {
+         PutField(r, MaterialField::kDielectricAcross, MicrofacetWidth(*m.alpha_across));
+       }
+       if (!m.energy_compensation) return;
+       PutField(r, MaterialField::kDielectricTransmittance, DiffuseTransmittance(m.ior));
+     }});
 SKYWAVE_BSDF_TABLE(RoughDielectric)
 
 }  // namespace skywave

@@ -72,10 +72,11 @@ struct RoughThinDielectric {
     const VF diffuse = IfThen(above, one - through, through) * (mirrored.z * kInvPi);
     const VF mean_lost = hn::Max(one - ggx.Mean(tables.padded_mean_albedo), Set(1e-6f));
     const VF again = diffuse * (lost_o * Lost(wi) / mean_lost);
-    V3 mirror = reflection;
-    if (layers.any) mirror = mirror * facet.tint;
-    return {IfThen(above, mirror, color) * (lobe / (one + lambda_o + lambda_i) + again),
-            visible + lost_o * (diffuse - visible)};
+    const VF single = lobe / (one + lambda_o + lambda_i);
+    const VF pdf = visible + lost_o * (diffuse - visible);
+    const V3 tint = IfThen(above, reflection, color);
+    if (!layers.any) return {tint * (single + again), pdf};
+    return {tint * (IfThen(above, facet.tint, Splat(one)) * single + Splat(again)), pdf};
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
@@ -113,32 +114,23 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits RoughThinDielectricTraits = {
-    .name = "rough-thin-dielectric",
-    .lobed = true,
-    .varying = Varying::kAlpha,
-    .transmits = true,
-    .glass_layers = true,
-    .tables = {.ggx = true},
-    .parameters = {{"alpha"},
-                   {"ior"},
-                   {"reflection"},
-                   {"specular"},
-                   {"specular_color"},
-                   {"film"},
-                   {"film_ior"},
-                   {"film_thin"},
-                   {"film_thick"}},
-    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PackAlpha(m, r);
-      PutField(r, MaterialField::kIor, m.ior);
-      PackReflection(m, r);
-      PackGlassLayers(m, r);
-      if (m.energy_compensation) {
-        PutField(r, HWY_NAMESPACE::RoughThinDielectric::kDiffuseThrough,
-                 DiffuseTransmittance(m.ior));
-      }
-    }};
+inline constexpr BsdfTraits RoughThinDielectricTraits =
+    WithGlassLayers({.name = "rough-thin-dielectric",
+                     .lobed = true,
+                     .varying = Varying::kAlpha,
+                     .transmits = true,
+                     .tables = {.ggx = true},
+                     .parameters = {{"alpha"}, {"ior"}, {"reflection"}},
+                     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+                       PackAlpha(m, r);
+                       PutField(r, MaterialField::kIor, m.ior);
+                       PackReflection(m, r);
+                       PackGlassLayers(m, r);
+                       if (m.energy_compensation) {
+                         PutField(r, HWY_NAMESPACE::RoughThinDielectric::kDiffuseThrough,
+                                  DiffuseTransmittance(m.ior));
+                       }
+                     }});
 SKYWAVE_BSDF_TABLE(RoughThinDielectric)
 
 }  // namespace skywave

@@ -237,17 +237,19 @@ FormulaValue RoughThinDielectricFormula(const MaterialCase& material, Vec wo, Ve
   const double lobe = (reflects ? f : 1 - f) * GgxDensity(h, m.alpha, m.alpha) / (4 * wo.z);
   FormulaValue out;
   out.pdf = lobe / (1 + lo);
-  double value = lobe / (1 + lo + li);
+  const double single = lobe / (1 + lo + li);
+  double again = 0;
   if (m.multiscatter[1] > 0) {
     const auto lost = [&](Vec w) { return LostByGgx(m.alpha, w.z); };
     const double mean = MeanAt(GgxTables().padded_mean_albedo, m.alpha);
     const double through = DiffuseTransmittanceOf(m.ior);
     const double share = (reflects ? 1 - through : through) * up.z / kPi;
-    value += share * lost(wo) * lost(up) / (1 - mean);
+    again = share * lost(wo) * lost(up) / (1 - mean);
     out.pdf += lost(wo) * (share - out.pdf);
   }
   for (int c = 0; c < 3; ++c) {
-    out.rgb[c] = GlassColor(m, reflects)[c] * value * (reflects ? facet.rgb[c] / f : 1);
+    const double tint = reflects ? facet.rgb[c] / f : 1;
+    out.rgb[c] = GlassColor(m, reflects)[c] * (tint * single + again);
   }
   return out;
 }
