@@ -109,13 +109,13 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
                                  {"reflectance", List(material.reflectance)}};
   for (const Parameter& parameter : ListParameters(material))
     json[parameter.name] = parameter.value;
-  Material::ForEachField(
-      material, [&](std::string_view name, MaterialPart part, const auto& field) {
-        const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture ||
-                             part == MaterialPart::kLayers || part == MaterialPart::kGlassLayers;
-        const nlohmann::ordered_json value = Value(field);
-        if (!printed && material.has(part) && !value.is_null()) json[std::string(name)] = value;
-      });
+  Material::ForEachField(material, [&](std::string_view name, MaterialPart part,
+                                       const auto& field) {
+    const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture ||
+                         part == MaterialPart::kLayers || part == MaterialPart::kReflectionLayers;
+    const nlohmann::ordered_json value = Value(field);
+    if (!printed && material.has(part) && !value.is_null()) json[std::string(name)] = value;
+  });
   return json;
 }
 

@@ -326,8 +326,8 @@ enum class MaterialField : std::uint32_t {
   kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
-  // Layered metallic-roughness, and glass, which keeps its reflection there: thickness of the film
-  // where its texture is 0, and where it is 1.
+  // Thickness of the film where its texture is 0, and where it is 1: of layered metallic-roughness,
+  // and of glass, whose eta is taken by its reflection.
   kFilmThin = SKYWAVE_WORD(MaterialRecord, eta[1]),
   kFilmThick = SKYWAVE_WORD(MaterialRecord, eta[2]),
   kGlassFilmThin = SKYWAVE_WORD(MaterialRecord, grain[0]),

@@ -50,8 +50,8 @@ enum class MaterialPart {
   kLinks,
   kLayers,
   kLayerTextures,
-  kGlassLayers,
-  kGlassLayerTextures
+  kReflectionLayers,
+  kReflectionLayerTextures
 };
 
 struct Material {
@@ -93,8 +93,8 @@ struct Material {
   // Share in [0, 1] by whose square the width along the grain goes from alpha to 1, and the angle
   // from the tangent to the grain, counter-clockwise [rad].
   float anisotropy = 0, anisotropy_turn = 0;
-  // And glass: share of the surface that has a thin film, its index, and its thickness where
-  // the texture is 0 and where it is 1 or there is none [nm].
+  // Of both: the share of the surface that has a thin film, its index, and its thickness where the
+  // texture is 0 and where it is 1 or there is none [nm].
   float film = 0, film_ior = 1.3f, film_thin = 100, film_thick = 400;
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
   // Dielectrics: factor of what they reflect; the reflectance is then that of what they let
@@ -191,8 +191,8 @@ struct Material {
       case MaterialPart::kLayers:
       case MaterialPart::kLayerTextures:
         return bsdf == BsdfKind::kLayeredMetallicRoughness;
-      case MaterialPart::kGlassLayers:
-      case MaterialPart::kGlassLayerTextures:
+      case MaterialPart::kReflectionLayers:
+      case MaterialPart::kReflectionLayerTextures:
         return has(MaterialPart::kLayers) || !reflects_plainly();
       case MaterialPart::kReflection:
         return reflection.has_value();
@@ -261,22 +261,22 @@ struct Material {
     f("metal_of_color", kMetalOfColor, metal_of_color);
     f("energy_compensation", kSingleScattering, energy_compensation);
     f("second_color_texture", kSecondColorTexture, second_color_texture);
-    f("specular", kGlassLayers, specular);
-    f("specular_color", kGlassLayers, specular_color);
+    f("specular", kReflectionLayers, specular);
+    f("specular_color", kReflectionLayers, specular_color);
     f("anisotropy", kLayers, anisotropy);
     f("anisotropy_turn", kLayers, anisotropy_turn);
-    f("film", kGlassLayers, film);
-    f("film_ior", kGlassLayers, film_ior);
-    f("film_thin", kGlassLayers, film_thin);
-    f("film_thick", kGlassLayers, film_thick);
+    f("film", kReflectionLayers, film);
+    f("film_ior", kReflectionLayers, film_ior);
+    f("film_thin", kReflectionLayers, film_thin);
+    f("film_thick", kReflectionLayers, film_thick);
     f("sheen_texture", kLayerTextures, sheen_texture);
     f("sheen_alpha_texture", kLayerTextures, sheen_alpha_texture);
     f("coat_alpha_texture", kLayerTextures, coat_alpha_texture);
-    f("specular_texture", kGlassLayerTextures, specular_texture);
-    f("specular_color_texture", kGlassLayerTextures, specular_color_texture);
+    f("specular_texture", kReflectionLayerTextures, specular_texture);
+    f("specular_color_texture", kReflectionLayerTextures, specular_color_texture);
     f("anisotropy_texture", kLayerTextures, anisotropy_texture);
-    f("film_texture", kGlassLayerTextures, film_texture);
-    f("film_thickness_texture", kGlassLayerTextures, film_thickness_texture);
+    f("film_texture", kReflectionLayerTextures, film_texture);
+    f("film_thickness_texture", kReflectionLayerTextures, film_thickness_texture);
     f("reflection", kReflection, reflection);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);

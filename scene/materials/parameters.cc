@@ -82,7 +82,7 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     // These are parameters of BSDFs that list them.
     if (part == MaterialPart::kReflection || part == MaterialPart::kLayers ||
-        part == MaterialPart::kGlassLayers) {
+        part == MaterialPart::kReflectionLayers) {
       return;
     }
     if (part == MaterialPart::kLinks) return;  // bits that the options of links set
@@ -91,7 +91,7 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
     const bool has_layers = traits.varying == Varying::kLayers;
     const bool layers = part != MaterialPart::kLayerTextures || has_layers;
     const bool of_glass =
-        part != MaterialPart::kGlassLayerTextures || has_layers || traits.glass_layers;
+        part != MaterialPart::kReflectionLayerTextures || has_layers || traits.glass_layers;
     if (part != MaterialPart::kBsdf && inside && coat && layers && of_glass) {
       fields.push_back({name, name});
     }

@@ -131,6 +131,9 @@ TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   EXPECT_TRUE(Contains(gallery.out, "map of 1024 x 512")) << gallery.out;
 }
 
+const std::set<std::string_view> kReflectionLayers = {"specular", "specular_color", "film",
+                                                      "film_ior", "film_thin",      "film_thick"};
+
 // The scene has a material of each BSDF but five, which BeyondTheBuiltinOnes and measured ones are.
 TEST_F(Info, ListsTheParametersOfEveryBsdf) {
   const Result result = Run("info materials --json i.json");
@@ -142,9 +145,8 @@ TEST_F(Info, ListsTheParametersOfEveryBsdf) {
       if (material.at("bsdf") != bsdf.name) continue;
       seen.insert(std::string(bsdf.name));
       for (const MaterialParameter& parameter : ParametersOf(bsdf)) {
-        const bool of_layers =
-            parameter.name.starts_with("film") || parameter.name.starts_with("specular");
-        const bool there = !bsdf.glass_layers || !of_layers;  // this glass has no layers
+        // This glass has no layers.
+        const bool there = !bsdf.glass_layers || !kReflectionLayers.contains(parameter.name);
         EXPECT_EQ(material.contains(parameter.name), there) << parameter.name << " in " << material;
       }
     }

@@ -9,6 +9,7 @@
 #include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/lobe_grid.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
 
@@ -26,8 +27,7 @@ MaterialCase Glass(float ior) {
   return {"glass", BsdfKind::kDielectric, {.color = {1, 0.5f, 0.25f}, .ior = ior}};
 }
 
-// Returns an eye direction that also attains cosine 1 exactly.
-Vec EyeAt(double cosine) { return cosine == 1 ? kNormal : AtAngle(kNormal, cosine); }
+Vec EyeAt(double cosine) { return AtAngle(kNormal, cosine); }
 
 TEST(Mirror, ReflectsByFresnel) {
   const float none[3] = {0, 0, 0};
@@ -64,24 +64,20 @@ TEST(Mirror, PerfectMirrorSeenHeadOnLosesNothing) {
   EXPECT_EQ(rays->throughput_r[0], 1);
 }
 
-// lobe.u chooses the lobe: over a regular grid of it, the fractions of the lobes follow Fresnel.
+// What is allowed for the share of a lobe.
+constexpr double kShareError = 1.01 / LobeGrid::kSize;
+
 TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
-  constexpr std::uint32_t kGrid = 4096;
-  ScatterRows uniforms(kGrid, 3);
-  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
   for (const float ior : {1.0f, 1.1f, 1.5f, 2.4f, 0.75f}) {
     for (const bool inside : {false, true}) {
       for (const double cosine : {1.0, 0.9, 0.7, 0.5, 0.2, 0.05}) {
         const Vec wo = EyeAt(cosine);
-        ShadingRows rows(Glass(ior), kGrid, kNormal, wo);
-        for (std::uint32_t i = 0; i < kGrid; ++i) {
-          rows.surfaces->material[i] = 1 | (inside ? kBackFace : 0);
-        }
-        soa::Table<RayColumns> rays(kGrid);
+        MaterialCase glass = Glass(ior);
+        glass.back = inside;
+        const LobeGrid grid(glass, kNormal, wo);
+        const RayColumns& rays = grid.rays;
         // Every sample survives: light that is not reflected is refracted.
-        ASSERT_EQ(rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {},
-                                       rays, 0),
-                  kGrid);
+        ASSERT_EQ(grid.alive, grid.kSize);
         const double near = inside ? ior : 1, far = inside ? 1 : ior, ratio = near / far;
         const double sine_t2 = ratio * ratio * (1 - cosine * cosine);
         double reflectance = 1;
@@ -94,27 +90,25 @@ TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
         const Vec mirrored = 2 * cosine * kNormal - wo;
         const Vec refracted =
             (ratio * cosine - std::sqrt(std::max(0.0, 1 - sine_t2))) * kNormal - ratio * wo;
-        std::uint32_t reflections = 0;
-        for (std::uint32_t i = 0; i < kGrid; ++i) {
-          const Vec wi = RayDirection(rays, i);
-          const Vec origin = Get(i, rays->org_x, rays->org_y, rays->org_z);
-          const SurfaceColumns& s = rows.surfaces;
+        for (std::uint32_t i = 0; i < grid.kSize; ++i) {
+          const Vec origin = Get(i, rays.org_x, rays.org_y, rays.org_z);
+          const SurfaceColumns& s = grid.rows.surfaces;
           const Vec front = Get(i, s.org_x, s.org_y, s.org_z);
-          const bool reflects = Dot(wi, kNormal) > 0;
-          reflections += reflects;
-          ASSERT_EQ(rays->pdf[i], 0);
-          ASSERT_LT(Angle(wi, reflects ? mirrored : refracted), 3e-6 / std::sqrt(cosine));
+          const bool reflects = grid.Reflects(i);
+          ASSERT_EQ(rays.pdf[i], 0);
+          ASSERT_LT(Angle(grid.Direction(i), reflects ? mirrored : refracted),
+                    3e-6 / std::sqrt(cosine));
           // Refraction preserves radiance over the squared index.
           const double weight = reflects ? 1 : ratio * ratio;
-          ASSERT_NEAR(rays->throughput_r[i], weight, 1e-6 * weight);
-          ASSERT_NEAR(rays->throughput_b[i], weight / 4, 1e-6 * weight);
+          ASSERT_NEAR(rays.throughput_r[i], weight, 1e-6 * weight);
+          ASSERT_NEAR(rays.throughput_b[i], weight / 4, 1e-6 * weight);
           // The ray leaves on its own side, at the same distance from the surface as on the other.
           const Vec expected = reflects ? front : front - 2 * 0x1p-10 * kNormal;
           ASSERT_LT(Length(origin - expected), 1e-6 * (1 + Length(front)));
         }
-        EXPECT_NEAR(double(reflections) / kGrid, reflectance, 1.01 / kGrid + 2e-5)
+        EXPECT_NEAR(grid.ReflectedShare(), reflectance, kShareError + 2e-5)
             << "index " << ior << (inside ? " from inside" : "") << ", cosine " << cosine;
-        EXPECT_TRUE(sine_t2 < 1 || reflections == kGrid) << "total internal reflection";
+        EXPECT_TRUE(sine_t2 < 1 || grid.ReflectedShare() == 1) << "total internal reflection";
       }
     }
   }
@@ -123,32 +117,23 @@ TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
 // Both faces are handled at once: 2 R / (1 + R) is reflected, the rest continues straight and
 // unscaled.
 TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
-  constexpr std::uint32_t kGrid = 4096;
-  ScatterRows uniforms(kGrid, 3);
-  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
   MaterialCase pane = Glass(1.5f);
   pane.kind = BsdfKind::kThinDielectric;
   for (const bool back : {false, true}) {
     pane.back = back;
     for (const double cosine : {1.0, 0.7, 0.2, 0.05}) {
       const Vec wo = EyeAt(cosine);
-      const ShadingRows rows(pane, kGrid, kNormal, wo);
-      soa::Table<RayColumns> rays(kGrid);
-      ASSERT_EQ(rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {},
-                                     rays, 0),
-                kGrid);
+      const LobeGrid grid(pane, kNormal, wo);
+      ASSERT_EQ(grid.alive, grid.kSize);
       const double once = FresnelReflectance(cosine, 1.5);
-      std::uint32_t reflections = 0;
-      for (std::uint32_t i = 0; i < kGrid; ++i) {
-        const Vec wi = RayDirection(rays, i);
-        const bool reflects = Dot(wi, kNormal) > 0;
-        reflections += reflects;
-        ASSERT_EQ(rays->pdf[i], 0);
-        ASSERT_LT(Angle(wi, reflects ? 2 * cosine * kNormal - wo : -wo), 3e-6 / std::sqrt(cosine));
-        ASSERT_NEAR(rays->throughput_r[i], 1, 1e-6);
-        ASSERT_NEAR(rays->throughput_b[i], 0.25, 1e-6);
+      for (std::uint32_t i = 0; i < grid.kSize; ++i) {
+        ASSERT_EQ(grid.rays->pdf[i], 0);
+        ASSERT_LT(Angle(grid.Direction(i), grid.Reflects(i) ? 2 * cosine * kNormal - wo : -wo),
+                  3e-6 / std::sqrt(cosine));
+        ASSERT_NEAR(grid.Throughput(i).r, 1, 1e-6);
+        ASSERT_NEAR(grid.Throughput(i).b, 0.25, 1e-6);
       }
-      EXPECT_NEAR(double(reflections) / kGrid, 2 * once / (1 + once), 1.01 / kGrid + 2e-5);
+      EXPECT_NEAR(grid.ReflectedShare(), 2 * once / (1 + once), kShareError + 2e-5);
     }
   }
 }
@@ -156,53 +141,33 @@ TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
 // A black pane that reflects white reflects once, at its surface, as KHR_materials_transmission has
 // it: 4 % of light from above, at index 1.5.
 TEST(ThinGlass, ReflectsOnceWithAColourOfItsOwn) {
-  constexpr std::uint32_t kGrid = 4096;
-  ScatterRows uniforms(kGrid, 3);
-  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
   MaterialCase pane = {"pane", BsdfKind::kThinDielectric, {.eta = {1, 0.5f, 0.25f}, .ior = 1.5f}};
   for (const double cosine : {1.0, 0.2}) {
-    const ShadingRows rows(pane, kGrid, kNormal, EyeAt(cosine));
-    soa::Table<RayColumns> rays(kGrid);
-    const std::uint32_t alive =
-        rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {}, rays, 0);
-    double sum[3] = {};
-    for (std::uint32_t i = 0; i < alive; ++i) {
-      sum[0] += rays->throughput_r[i], sum[1] += rays->throughput_g[i];
-      sum[2] += rays->throughput_b[i];
-    }
+    const LobeGrid grid(pane, kNormal, EyeAt(cosine));
     const double once = FresnelReflectance(cosine, 1.5);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / kGrid, once / (1 << c), 1.01 / kGrid);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(grid.Reflected()[c], once / (1 << c), kShareError);
+      EXPECT_EQ(grid.Transmitted()[c], 0);
+    }
   }
 }
 
 // What is reflected has the colour that the material gives it, also black, and what passes that of
 // the reflectance.
 TEST(Glass, ReflectionsHaveAColourOfTheirOwn) {
-  constexpr std::uint32_t kGrid = 512;
-  ScatterRows uniforms(kGrid, 3);
-  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
   for (const BsdfKind kind : {BsdfKind::kDielectric, BsdfKind::kThinDielectric}) {
     for (const glm::vec3 reflection : {glm::vec3(0, 0.5f, 1), glm::vec3(0.75f, 0, 0)}) {
       const Material glass = {
           .bsdf = kind, .reflectance = {1, 0.5f, 0.25f}, .reflection = reflection};
-      const Vec wo = EyeAt(0.2);
-      const ShadingRows rows({"glass", kind, PackMaterial(glass, {})}, kGrid, kNormal, wo);
-      soa::Table<RayColumns> rays(kGrid);
-      const std::uint32_t alive = rows.kernels.scatter(rows.surfaces, rows.materials(),
-                                                       uniforms.view(), kGrid, {}, rays, 0);
-      std::uint32_t reflections = 0;
-      for (std::uint32_t i = 0; i < alive; ++i) {
-        const bool reflects = Dot(RayDirection(rays, i), kNormal) > 0;
-        reflections += reflects;
+      const LobeGrid grid({"glass", kind, PackMaterial(glass, {})}, kNormal, EyeAt(0.2));
+      for (std::uint32_t i = 0; i < grid.alive; ++i) {
         const double squared = kind == BsdfKind::kDielectric ? 1 / (1.5 * 1.5) : 1;
         const glm::dvec3 exact =
-            reflects ? glm::dvec3(reflection) : squared * glm::dvec3(glass.reflectance);
-        ASSERT_NEAR(rays->throughput_r[i], exact.x, 1e-6);
-        ASSERT_NEAR(rays->throughput_g[i], exact.y, 1e-6);
-        ASSERT_NEAR(rays->throughput_b[i], exact.z, 1e-6);
+            grid.Reflects(i) ? glm::dvec3(reflection) : squared * glm::dvec3(glass.reflectance);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(grid.Throughput(i)[c], exact[c], 1e-6);
       }
-      EXPECT_GT(reflections, kGrid / 4);
-      EXPECT_GT(alive - reflections, kGrid / 4);
+      EXPECT_GT(grid.ReflectedShare(), 0.25);
+      EXPECT_GT(double(grid.alive) / grid.kSize - grid.ReflectedShare(), 0.25);
     }
   }
 }

@@ -9,7 +9,8 @@
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_albedo.h"
 #include "tests/support/bsdf_cases.h"
-#include "tests/support/bsdf_formulas.h"
+#include "tests/support/glass_formulas.h"
+#include "tests/support/lobe_grid.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
@@ -33,27 +34,6 @@ Material Soapy(BsdfKind kind, float ior = 1.5f) {
           .reflection = glm::vec3(0.5f, 1, 0.75f)};
 }
 
-// What light loses to reflection and to transmission, as shares of what arrives.
-struct Split {
-  glm::dvec3 reflected{0}, through{0};
-};
-Split ScatteredBy(const MaterialCase& glass, double cosine) {
-  constexpr std::uint32_t kGrid = 4096;
-  ScatterRows uniforms(kGrid, 3);
-  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
-  const Vec wo = cosine == 1 ? kNormal : AtAngle(kNormal, cosine);
-  const ShadingRows rows(glass, kGrid, kNormal, wo);
-  soa::Table<RayColumns> rays(kGrid);
-  const std::uint32_t alive =
-      rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {}, rays, 0);
-  Split split;
-  for (std::uint32_t i = 0; i < alive; ++i) {
-    const glm::dvec3 weight(rays->throughput_r[i], rays->throughput_g[i], rays->throughput_b[i]);
-    (Dot(RayDirection(rays, i), kNormal) > 0 ? split.reflected : split.through) += weight / 4096.0;
-  }
-  return split;
-}
-
 void ExpectNear(const glm::dvec3& value, const glm::dvec3& exact, double tolerance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], exact[c], tolerance) << "channel " << c;
 }
@@ -72,9 +52,9 @@ TEST(GlassLayers, SmoothGlassReflectsTheirColoursFromBothSides) {
         for (const double cosine : {1.0, 0.8, 0.5, 0.2}) {
           SCOPED_TRACE(testing::Message() << ior << (back ? " inside " : " outside ") << cosine);
           const GlassFacet facet = FacetOfGlass(glass, cosine, near, far);
-          const Split split = ScatteredBy(glass, cosine);
-          ExpectNear(split.reflected, facet.rgb * glm::dvec3(*soapy.reflection), 3e-4);
-          ExpectNear(split.through / (scale * scale),
+          const LobeGrid grid(glass, kNormal, AtAngle(kNormal, cosine));
+          ExpectNear(grid.Reflected(), facet.rgb * glm::dvec3(*soapy.reflection), 3e-4);
+          ExpectNear(grid.Transmitted() / (scale * scale),
                      (1 - facet.largest) * glm::dvec3(soapy.reflectance), 3e-4);
         }
       }
@@ -92,10 +72,10 @@ TEST(GlassLayers, PanesReflectTheirColours) {
         // The film is the same from both sides of a pane.
         const GlassFacet facet = FacetOfGlass(pane, cosine, 1, soapy.ior);
         const double once = facet.largest, both = own ? once : 2 * once / (1 + once);
-        const Split split = ScatteredBy(pane, cosine);
+        const LobeGrid grid(pane, kNormal, AtAngle(kNormal, cosine));
         const glm::dvec3 color(own ? *soapy.reflection : soapy.reflectance);
-        ExpectNear(split.reflected, facet.rgb / once * both * color, 5e-4);
-        ExpectNear(split.through, (1 - both) * glm::dvec3(soapy.reflectance), 5e-4);
+        ExpectNear(grid.Reflected(), facet.rgb / once * both * color, 5e-4);
+        ExpectNear(grid.Transmitted(), (1 - both) * glm::dvec3(soapy.reflectance), 5e-4);
       }
     }
   }

@@ -123,7 +123,7 @@ TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     if (part == MaterialPart::kBsdf || part == MaterialPart::kReflection ||
-        part == MaterialPart::kLayers || part == MaterialPart::kGlassLayers) {
+        part == MaterialPart::kLayers || part == MaterialPart::kReflectionLayers) {
       fields.insert(name);
     }
   });
@@ -152,7 +152,7 @@ TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
           bsdf_.across)) ||
         (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
         (part == MaterialPart::kLayerTextures && bsdf_.varying == Varying::kLayers) ||
-        (part == MaterialPart::kGlassLayerTextures &&
+        (part == MaterialPart::kReflectionLayerTextures &&
          (bsdf_.glass_layers || bsdf_.varying == Varying::kLayers)) ||
         (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
          !bsdf_.name.starts_with("coated")) ||

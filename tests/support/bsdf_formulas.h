@@ -1,8 +1,6 @@
 // What each BSDF is by the papers, apart from the kernels.
 #pragma once
 
-#include <glm/vec3.hpp>
-
 #include "tests/support/shading_rows.h"
 
 namespace skywave {
@@ -16,14 +14,6 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
-// What a facet of glass reflects of light at a cosine, on the side of index `near`: Fresnel's
-// reflectance, or what its layers make of it, whose brightest channel decides what goes through.
-struct GlassFacet {
-  glm::dvec3 rgb;
-  double largest;
-};
-GlassFacet FacetOfGlass(const MaterialCase& material, double cosine, double near, double far);
-
 // Returns what a padded table of means has for a width.
 double MeanAt(const float* table, double alpha);
 
@@ -35,8 +25,5 @@ double AnisotropicAlbedoAt(double along, double across, Vec w);
 // Returns the share of light that white GGX facets scatter more than once, by the tables of the
 // kernels.
 double LostByGgx(double alpha, double cosine);
-
-// Returns the density of RoughDielectric without its lobes of scattering between facets.
-double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi);
 
 }  // namespace skywave

@@ -11,8 +11,8 @@
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
-#include "tests/support/bsdf_formulas.h"
 #include "tests/support/facet_quadrature.h"
+#include "tests/support/glass_formulas.h"
 
 namespace skywave {
 namespace {

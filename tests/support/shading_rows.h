@@ -219,6 +219,7 @@ inline double FresnelReflectance(double cosine, std::complex<double> index) {
 
 // Returns wo at an angle to a normal, with some azimuth.
 inline Vec AtAngle(Vec normal, double cosine) {
+  if (cosine == 1) return normal;  // exactly
   const Vec s = Unit(Cross(normal, {0.3, 0.9, 0.2})), t = Cross(normal, s);
   const double sine = std::sqrt(1 - cosine * cosine);
   return cosine * normal + sine * std::cos(0.7) * s + sine * std::sin(0.7) * t;
