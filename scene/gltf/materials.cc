@@ -259,7 +259,7 @@ int GltfMaterials::IndexOf(const tinygltf::Primitive& primitive) const {
     const tinygltf::Value& variants = mapping.Get("variants");
     for (std::size_t v = 0; v < variants.ArrayLen(); ++v) {
       if (variants.Get(int(v)).GetNumberAsInt() == variant_) {
-        return int(GltfNumber(mapping, "material", -1));
+        return GltfIndex(mapping, "material", -1);
       }
     }
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -36,7 +37,7 @@ void SetTransform(const tinygltf::Value& extension, GltfTextureInfo& info) {
   const double c = std::cos(angle), s = std::sin(angle);
   info.transform = glm::mat3x2(
       glm::dmat3x2(c * scale.x, -s * scale.x, s * scale.y, c * scale.y, offset.x, offset.y));
-  info.uv_set = int(GltfNumber(extension, "texCoord", info.uv_set));
+  info.uv_set = GltfIndex(extension, "texCoord", info.uv_set);
 }
 
 template <class Info>
@@ -94,7 +95,7 @@ std::uint32_t AddImage(GltfTextures& textures, int index, Encoding encoding) {
 int SourceOf(const tinygltf::Texture& from) {
   const auto found = from.extensions.find("EXT_texture_webp");
   if (found == from.extensions.end()) return from.source;
-  return int(GltfNumber(found->second, "source", from.source));
+  return GltfIndex(found->second, "source", from.source);
 }
 
 TextureWrap Wrap(int gl) {
@@ -146,6 +147,10 @@ double GltfNumber(const tinygltf::Value& object, const char* name, double otherw
   if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsNumber()) return otherwise;
   return object.Get(name).GetNumberAsDouble();
 }
+int GltfIndex(const tinygltf::Value& object, const char* name, int otherwise) {
+  constexpr double kLargest = std::numeric_limits<int>::max();
+  return int(std::clamp(GltfNumber(object, name, otherwise), -1.0, kLargest));
+}
 
 glm::vec3 GltfColor(const tinygltf::Value& object, const char* name, const glm::vec3& otherwise) {
   if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsArray() ||
@@ -170,8 +175,8 @@ GltfTextureInfo TextureInfo(const tinygltf::NormalTextureInfo& from) { return In
 GltfTextureInfo TextureInfo(const tinygltf::Value& extension, const char* name) {
   if (!extension.IsObject() || !extension.Has(name)) return {};
   const tinygltf::Value& from = extension.Get(name);
-  GltfTextureInfo info = {.index = int(GltfNumber(from, "index", -1)),
-                          .uv_set = int(GltfNumber(from, "texCoord", 0))};
+  GltfTextureInfo info = {.index = GltfIndex(from, "index", -1),
+                          .uv_set = GltfIndex(from, "texCoord", 0)};
   if (info.index < 0 || !from.Has("extensions")) return info;
   const tinygltf::Value& extensions = from.Get("extensions");
   if (extensions.IsObject() && extensions.Has(kTransform)) {
@@ -185,8 +190,8 @@ std::optional<std::uint32_t> AddGltfTexture(GltfTextures& textures, const GltfTe
   if (info.index < 0) return std::nullopt;
   const tinygltf::Model& model = textures.model;
   if (std::size_t(info.index) >= model.textures.size()) {
-    throw InputError(InputPosition::File(textures.path),
-                     fmt::format("there is no texture {}", info.index));
+    WarnOfMaterial(textures, fmt::format("there is no texture {}: it is left out", info.index));
+    return std::nullopt;
   }
   const tinygltf::Texture& from = model.textures[std::size_t(info.index)];
   const int source = SourceOf(from);

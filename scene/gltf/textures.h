@@ -76,6 +76,8 @@ GltfShare AddGltfShare(GltfTextures& textures, const GltfTextureInfo& info, int 
 const tinygltf::Value* GltfExtension(const tinygltf::Material& from, const char* name);
 // These return a member of an extension, or `otherwise` where it has none of that kind.
 double GltfNumber(const tinygltf::Value& object, const char* name, double otherwise);
+// An index, which is -1 for none. Numbers that no int holds are those of something that is missing.
+int GltfIndex(const tinygltf::Value& object, const char* name, int otherwise);
 glm::vec3 GltfColor(const tinygltf::Value& object, const char* name, const glm::vec3& otherwise);
 
 }  // namespace skywave

@@ -296,6 +296,14 @@ TEST_F(GltfLayers, GlassHasItsColourAndItsFilm) {
   }
 }
 
+// libFuzzer found the conversion of such an index to int.
+TEST_F(GltfLayers, IndicesThatNoIntHoldsAreThoseOfMissingThings) {
+  const Scene scene = ReadWith(
+      {{"KHR_materials_specular", {{"specularTexture", {{"index", 1e87}, {"texCoord", 1e87}}}}}});
+  const std::string said = fmt::format("{}", fmt::join(scene.warnings, "\n"));
+  EXPECT_NE(said.find("there is no texture 2147483647"), said.npos) << said;
+}
+
 TEST_F(GltfLayers, DiffuseTransmissionHasNeitherWhichIsSaid) {
   const Scene scene =
       ReadWith({{"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 1}}},
