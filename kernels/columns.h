@@ -44,7 +44,9 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(GlossyDiffuse)             \
   BSDF(FresnelBlend)              \
   BSDF(LayeredMetallicRoughness)  \
-  BSDF(CoatedDiffuseTransmission)
+  BSDF(CoatedDiffuseTransmission) \
+  BSDF(CoatedRoughDielectric)     \
+  BSDF(CoatedRoughThinDielectric)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \
@@ -332,6 +334,9 @@ enum class MaterialField : std::uint32_t {
   kFilmThick = SKYWAVE_WORD(MaterialRecord, eta[2]),
   kGlassFilmThin = SKYWAVE_WORD(MaterialRecord, grain[0]),
   kGlassFilmThick = SKYWAVE_WORD(MaterialRecord, grain[1]),
+  // The coat of glass, which has no sheen, and may have an inside where k is.
+  kGlassCoat = SKYWAVE_WORD(MaterialRecord, sheen_texture),
+  kGlassCoatAlpha = SKYWAVE_WORD(MaterialRecord, sheen_alpha_texture),
   kSpecularColor = SKYWAVE_WORD(MaterialRecord, specular_color),
   kSpecular = SKYWAVE_WORD(MaterialRecord, specular),
   kGrain = SKYWAVE_WORD(MaterialRecord, grain),  // two words

@@ -89,6 +89,14 @@ template <class Bsdf>
 inline constexpr bool kRefracts = requires {
   Bsdf::kRefracts;
 };
+template <class Bsdf>
+inline constexpr bool kDiffuse = requires(const Bsdf& bsdf, const V3& wo) {
+  bsdf.Diffuse(wo);
+};
+template <class Bsdf>
+inline constexpr bool kBlurs = requires(const Bsdf& bsdf, const V3& wo, VF radius) {
+  bsdf.Blurred(wo, wo, radius);
+};
 
 // Returns the lanes seen from the side that the normals of the mesh point away from.
 HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
@@ -99,6 +107,12 @@ HWY_INLINE VF IndexRatio(const SurfaceColumns& s, const MaterialView& m, VU fiel
                          std::uint32_t i) {
   const VF ior = Field(m, fields, kIor);
   return IfThen(SeenFromBehind(s, i), ior, 1.0f / ior);
+}
+
+// Returns the same of a BSDF that refracts.
+template <class Bsdf>
+HWY_INLINE VF RatioOf(const Bsdf& bsdf) {
+  return bsdf.ratio;
 }
 
 // Returns the factor that flux gets where radiance gets 1, for a shading normal ns (Veach 1997,

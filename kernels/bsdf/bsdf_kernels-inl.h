@@ -37,10 +37,6 @@ inline constexpr bool kOnlyDiffuse = requires {
   Bsdf::kOnlyDiffuse;
 };
 template <class Bsdf>
-inline constexpr bool kDiffuse = requires(const Bsdf& bsdf, const V3& wo) {
-  bsdf.Diffuse(wo);
-};
-template <class Bsdf>
 inline constexpr bool kDiffuseThrough = requires(const Bsdf& bsdf, const V3& wo) {
   bsdf.DiffuseThrough(wo);
 };
@@ -191,7 +187,7 @@ struct CellWeights {
     const V3 wi = ToLocal(lanes.frame, dir);
     const VF height = hn::Min(Dot(lanes.ng, dir), wi.z);
     VF value;
-    if constexpr (requires { bsdf.Blurred(lanes.wo, wi, radius); }) {
+    if constexpr (kBlurs<Bsdf>) {
       value = bsdf.Blurred(lanes.wo, wi, radius);
     } else {
       value = Luminance(bsdf.Evaluate(lanes.wo, wi).value);
@@ -332,7 +328,8 @@ std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView&
       VF factor = ShadingNormalFactor(lanes.frame.n, lanes.ng, wo, world);
       if constexpr (kRefracts<Bsdf>) {
         const MF through = hn::Lt(sample.wi.z, hn::Zero(F()));
-        factor = IfThen(through, factor / (bsdf.ratio * bsdf.ratio), factor);
+        const VF ratio = RatioOf(bsdf);
+        factor = IfThen(through, factor / (ratio * ratio), factor);
       }
       weight = weight * factor;
     }

@@ -1,7 +1,8 @@
 // Layers over another BSDF: a clear dielectric coat of GGX facets, and sheen. A layer takes from
 // the BSDF below it the larger of its albedos for wo and wi: that is reciprocal and reflects at
 // most the light that arrives. (Attenuation by 1 - F(wo . h), as glTF writes it, is not
-// reciprocal.)
+// reciprocal.) Where light passes through that BSDF, the layer is met at the angles of both sides,
+// and lies on both.
 #if defined(SKYWAVE_KERNELS_COAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_COAT_INL_H_
 #undef SKYWAVE_KERNELS_COAT_INL_H_
@@ -9,8 +10,7 @@
 #define SKYWAVE_KERNELS_COAT_INL_H_
 #endif
 
-#include <utility>
-
+#include "kernels/bsdf/bsdf-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
 #include "kernels/simd/exp-inl.h"
 
@@ -56,7 +56,7 @@ struct Coated {
     return parameters.strength * fresnel;
   }
 
-  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const requires kBlurs<Base> {
     const VF coat = Reflectance(wo, Ggx::HalfVector(wo, wi)) * ggx.Blurred(wo, wi, radius);
     const VF through = 1.0f - hn::Max(Albedo(wo.z), Albedo(wi.z));
     return coat + through * base.Blurred(wo, wi, radius);
@@ -64,13 +64,16 @@ struct Coated {
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const VF one = Set(1.0f);
-    const V3 h = Ggx::HalfVector(wo, wi);
+    V3 up = wi;
+    if constexpr (kTransmits<Base>) up.z = hn::Abs(wi.z);
+    const V3 h = Ggx::HalfVector(wo, up);
     const VF d = Ggx::Distribution(h, ggx.alpha * ggx.alpha);
-    const VF lobe = d * (0.25f / hn::Max(wo.z, Set(1e-6f)));
-    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
+    VF lobe = d * (0.25f / hn::Max(wo.z, Set(1e-6f)));
+    if constexpr (kTransmits<Base>) lobe = hn::IfThenElseZero(hn::Gt(wi.z, hn::Zero(F())), lobe);
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(up);
     const VF own = Reflectance(wo, h) * (lobe / (one + lambda_o + lambda_i));
     const VF albedo_o = Albedo(wo.z);
-    return Layer({own, own, own}, lobe / (one + lambda_o), albedo_o, Albedo(wi.z),
+    return Layer({own, own, own}, lobe / (one + lambda_o), albedo_o, Albedo(up.z),
                  LayerShare(albedo_o), base.Evaluate(wo, wi));
   }
   HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
@@ -79,12 +82,26 @@ struct Coated {
                   base.Direction(wo, u, v, BelowLayer(lobe, share)));
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
-    const V3 wi = Direction(wo, u, v, lobe);
-    return SampleOf(wi, Evaluate(wo, wi));
+    if constexpr (kTransmits<Base>) {
+      return DrawFromBothSides(wo, u, v, lobe);
+    } else {
+      const V3 wi = Direction(wo, u, v, lobe);
+      return SampleOf(wi, Evaluate(wo, wi));
+    }
   }
-  template <class Below = Base>
-  HWY_INLINE auto Diffuse(const V3& wo) const
-      -> decltype(std::declval<const Below&>().Diffuse(wo)) {
+  // What a lobe scatters to the wrong side is dead, and not light of the other lobe.
+  HWY_INLINE BsdfSample DrawFromBothSides(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF share = LayerShare(Albedo(wo.z)), zero = hn::Zero(F());
+    const MF by_coat = hn::Lt(lobe, share);
+    const V3 mirrored = ggx.Reflect(wo, u, v);
+    const BsdfSample below = base.Draw(wo, u, v, BelowLayer(lobe, share));
+    const V3 wi = IfThen(by_coat, mirrored, below.wi);
+    BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
+    const MF alive = hn::Gt(IfThen(by_coat, mirrored.z, below.pdf), zero);
+    sample.pdf = hn::IfThenElseZero(alive, sample.pdf);
+    return sample;
+  }
+  HWY_INLINE V3 Diffuse(const V3& wo) const requires kDiffuse<Base> {
     return base.Diffuse(wo) * (1.0f - Albedo(wo.z));
   }
 
@@ -93,6 +110,14 @@ struct Coated {
   Ggx ggx;
   const ConductorTables& tables;
 };
+template <class Base, class Parameters>
+inline constexpr bool kTransmits<Coated<Base, Parameters>> = kTransmits<Base>;
+template <class Base, class Parameters>
+inline constexpr bool kRefracts<Coated<Base, Parameters>> = kRefracts<Base>;
+template <class Base, class Parameters>
+HWY_INLINE VF RatioOf(const Coated<Base, Parameters>& coated) {
+  return RatioOf(coated.base);
+}
 
 // Sheen over `Base` (SheenTables), drawn by the cosine. `Parameters` reads its colour and width of
 // each row.

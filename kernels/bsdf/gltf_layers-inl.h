@@ -38,6 +38,17 @@ struct ClearCoat {
         f0(Set(0.04f)) {}
   VF strength, alpha, f0;
 };
+// The same over glass.
+struct GlassCoat {
+  HWY_INLINE GlassCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                       std::uint32_t n) {
+    const VU fields = MaterialFields(s, i, n);
+    strength = Field(m, fields, kGlassCoat);
+    alpha = Clamp(Field(m, fields, kGlassCoatAlpha), 1e-3f, 1.0f);
+    f0 = Set(0.04f);
+  }
+  VF strength, alpha, f0;
+};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave

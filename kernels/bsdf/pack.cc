@@ -75,6 +75,11 @@ void PackGlassLayers(const Material& material, MaterialRecord& record) {
                        record);
 }
 
+void PackGlassCoat(const Material& material, MaterialRecord& record) {
+  PutField(record, MaterialField::kGlassCoat, material.coat);
+  PutField(record, MaterialField::kGlassCoatAlpha, MicrofacetWidth(material.coat_alpha));
+}
+
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of) {
   if (!material.energy_compensation) return;
   glm::vec3 factors;

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <initializer_list>
 #include <optional>
+#include <string_view>
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
@@ -36,6 +38,8 @@ void PackReflectionLayers(const Material& material, MaterialField thin, Material
                           MaterialRecord& record);
 // those of glass;
 void PackGlassLayers(const Material& material, MaterialRecord& record);
+// its coat;
+void PackGlassCoat(const Material& material, MaterialRecord& record);
 // what facets reflect more than once, by of(eta, k) of each channel, or 0 without compensation;
 using MultiscatterOf = std::function<float(float eta, float k)>;
 void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of);
@@ -52,16 +56,26 @@ void PackMetallicRoughness(const Material& material, MaterialRecord& record);
 // these and what lies over it: coat and sheen.
 void PackCoatAndSheen(const Material& material, MaterialRecord& record);
 
-// Returns the traits of a BSDF of glass, which may also have the layers that PackGlassLayers packs.
-constexpr BsdfTraits WithGlassLayers(BsdfTraits traits) {
+// Returns the traits with more parameters.
+constexpr BsdfTraits WithParameters(BsdfTraits traits, std::initializer_list<const char*> names) {
   std::size_t count = 0;
   while (!traits.parameters[count].name.empty()) ++count;
-  for (const char* const name :
-       {"specular", "specular_color", "film", "film_ior", "film_thin", "film_thick"}) {
-    traits.parameters[count++] = {name};
-  }
-  traits.glass_layers = true;
+  for (const char* const name : names) traits.parameters[count++] = {name};
   return traits;
+}
+// Returns the traits of a BSDF of glass, which may also have the layers that PackGlassLayers packs.
+constexpr BsdfTraits WithGlassLayers(BsdfTraits traits) {
+  traits.glass_layers = true;
+  return WithParameters(
+      traits, {"specular", "specular_color", "film", "film_ior", "film_thin", "film_thick"});
+}
+// Returns those of glass under the coat that PackGlassCoat packs, which `pack` calls.
+constexpr BsdfTraits UnderCoat(BsdfTraits glass, std::string_view name,
+                               decltype(BsdfTraits::pack) pack) {
+  glass.name = name;
+  glass.tables.ggx = true;
+  glass.pack = pack;
+  return WithParameters(glass, {"coat", "coat_alpha"});
 }
 
 // Returns the record of `material`: the fields that all BSDFs have and those that its own BSDF

@@ -62,8 +62,9 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
   }
 }
 
-void GatherWeighedSurfaces(const SurfaceColumns& s, bool layers, const std::uint32_t* from,
-                           std::uint32_t n, const SurfaceColumns& out) {
+void GatherWeighedSurfaces(const SurfaceColumns& s, const MaterialView& m, const BsdfTraits& bsdf,
+                           const std::uint32_t* from, std::uint32_t n, const SurfaceColumns& out) {
+  const bool layers = bsdf.varying == Varying::kLayers || (m.glass_layers && bsdf.glass_layers);
   const float* const columns[] = {s.wo_x,      s.wo_y,     s.wo_z,      s.ng_x,      s.ng_y,
                                   s.ng_z,      s.ns_x,     s.ns_y,      s.ns_z,      s.color_r,
                                   s.color_g,   s.color_b,  s.varying_0, s.varying_1, s.light_norm,
@@ -79,7 +80,7 @@ void GatherWeighedSurfaces(const SurfaceColumns& s, bool layers, const std::uint
       Store(Gather(columns[c], row), copies[c] + i);
     }
     Store(Gather(s.material, row), out.material + i);
-    if (layers) Store(Gather(s.base_normal, row), out.base_normal + i);
+    if (m.base_normals) Store(Gather(s.base_normal, row), out.base_normal + i);
   }
 }
 
@@ -117,9 +118,10 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
                const EscapeColumns& rows, std::uint32_t* cell) {
   HWY_DYNAMIC_DISPATCH(FindCells)(map, cell_of_texel, n, rows, cell);
 }
-void GatherWeighedSurfaces(const SurfaceColumns& surfaces, bool layers, const std::uint32_t* from,
-                           std::uint32_t n, const SurfaceColumns& out) {
-  HWY_DYNAMIC_DISPATCH(GatherWeighedSurfaces)(surfaces, layers, from, n, out);
+void GatherWeighedSurfaces(const SurfaceColumns& surfaces, const MaterialView& materials,
+                           const BsdfTraits& bsdf, const std::uint32_t* from, std::uint32_t n,
+                           const SurfaceColumns& out) {
+  HWY_DYNAMIC_DISPATCH(GatherWeighedSurfaces)(surfaces, materials, bsdf, from, n, out);
 }
 void ScaleByPick(const float* weight, const float* norm, std::uint32_t n, float* light_pdf) {
   HWY_DYNAMIC_DISPATCH(ScaleByPick)(weight, norm, n, light_pdf);

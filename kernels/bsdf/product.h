@@ -40,10 +40,11 @@ void SamplePickedCells(const EnvironmentView& map, const CellsView& cells, const
 void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, std::uint32_t n,
                const EscapeColumns& rows, std::uint32_t* cell);
 
-// Copies the columns by which BSDFs weigh cells, and light_norm, from row from[i] of `surfaces` to
-// row i of `out`, for rows [0, n), n <= kProductRows; those of Varying::kLayers if `layers`.
-void GatherWeighedSurfaces(const SurfaceColumns& surfaces, bool layers, const std::uint32_t* from,
-                           std::uint32_t n, const SurfaceColumns& out);
+// Copies the columns by which a BSDF weighs cells, and light_norm, from row from[i] of `surfaces`
+// to row i of `out`, for rows [0, n), n <= kProductRows.
+void GatherWeighedSurfaces(const SurfaceColumns& surfaces, const MaterialView& materials,
+                           const BsdfTraits& bsdf, const std::uint32_t* from, std::uint32_t n,
+                           const SurfaceColumns& out);
 
 // Multiplies light_pdf[i] by weight[i] / norm[i] (0 where norm is) for rows [0, n).
 void ScaleByPick(const float* weight, const float* norm, std::uint32_t n, float* light_pdf);

@@ -5,6 +5,8 @@
 // that white glass loses nothing. They are drawn with the probability that light scatters more than
 // once; otherwise a facet is drawn, then reflection with the probability of its reflectance, which
 // is Fresnel's or that of its layers (GlassLayers). The lobes know nothing of layers.
+//
+// It may lie under a clear coat (Coated), whose normals may not be its own (Tilted).
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
@@ -17,6 +19,7 @@
 #include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/glass_layers-inl.h"
 #include "kernels/bsdf/microfacet-inl.h"
+#include "kernels/bsdf/tilted-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -243,7 +246,10 @@ struct RoughDielectric {
   VF through, back_again;  // factors of lost(wo) lost(wi) cos [1/sr]
 };
 
+using CoatedRoughDielectric = Coated<Tilted<RoughDielectric>, GlassCoat>;
+
 SKYWAVE_BSDF_KERNELS(RoughDielectric)
+SKYWAVE_BSDF_KERNELS(CoatedRoughDielectric)
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
@@ -274,7 +280,14 @@ inline constexpr BsdfTraits RoughDielectricTraits = WithGlassLayers(
        if (!m.energy_compensation) return;
        PutField(r, MaterialField::kDielectricTransmittance, DiffuseTransmittance(m.ior));
      }});
+inline constexpr BsdfTraits CoatedRoughDielectricTraits =
+    UnderCoat(RoughDielectricTraits, "coated-rough-dielectric",
+              [](const Material& m, MeasuredBrdfs measured, MaterialRecord& r) {
+                RoughDielectricTraits.pack(m, measured, r);
+                PackGlassCoat(m, r);
+              });
 SKYWAVE_BSDF_TABLE(RoughDielectric)
+SKYWAVE_BSDF_TABLE(CoatedRoughDielectric)
 
 }  // namespace skywave
 #endif  // HWY_ONCE

@@ -8,6 +8,8 @@
 // As reflection and transmission have mirrored lobes, both together lose what white facets lose, so
 // lobes of Kulla and Conty 2017 return it: (1 - E(wo)) (1 - E(wi)) / (pi (1 - mean E)), split
 // between the sides as the smooth interface splits diffuse light. White panes lose nothing.
+//
+// It may lie under a clear coat (Coated), whose normals may not be its own (Tilted).
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
@@ -20,6 +22,7 @@
 #include "kernels/bsdf/bsdf_kernels-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
 #include "kernels/bsdf/glass_layers-inl.h"
+#include "kernels/bsdf/tilted-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -105,7 +108,10 @@ struct RoughThinDielectric {
   GlassLayers layers;
 };
 
+using CoatedRoughThinDielectric = Coated<Tilted<RoughThinDielectric>, GlassCoat>;
+
 SKYWAVE_BSDF_KERNELS(RoughThinDielectric)
+SKYWAVE_BSDF_KERNELS(CoatedRoughThinDielectric)
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
@@ -131,7 +137,14 @@ inline constexpr BsdfTraits RoughThinDielectricTraits =
                                   DiffuseTransmittance(m.ior));
                        }
                      }});
+inline constexpr BsdfTraits CoatedRoughThinDielectricTraits =
+    UnderCoat(RoughThinDielectricTraits, "coated-rough-thin-dielectric",
+              [](const Material& m, MeasuredBrdfs measured, MaterialRecord& r) {
+                RoughThinDielectricTraits.pack(m, measured, r);
+                PackGlassCoat(m, r);
+              });
 SKYWAVE_BSDF_TABLE(RoughThinDielectric)
+SKYWAVE_BSDF_TABLE(CoatedRoughThinDielectric)
 
 }  // namespace skywave
 #endif  // HWY_ONCE

@@ -124,9 +124,8 @@ void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n
         alignas(kColumnAlignment) float weight[kProductStride];
         FindCells(texels_.view(), cell_of_texel_.data(), count, Slice(rows, begin), cell);
         const BsdfKernels& bsdf = Bsdfs()[kind];
-        const bool layers = bsdf.varying == Varying::kLayers ||
-                            (points.materials.glass_layers && bsdf.glass_layers);
-        GatherWeighedSurfaces(points.surfaces, layers, rows.from + begin, count, surfaces);
+        GatherWeighedSurfaces(points.surfaces, points.materials, bsdf, rows.from + begin, count,
+                              surfaces);
         bsdf.weigh_cell(surfaces, points.materials, count, cells_.data(), cell, weight);
         ScaleByPick(weight, surfaces->light_norm, count, rows.light_pdf + begin);
       });

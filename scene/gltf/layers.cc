@@ -90,6 +90,32 @@ void AddLayer(bool rich, Material& material) {
   }
 }
 
+// Gives a part of a material its coat, and returns the share of the surface that has it: 0 without
+// the extension.
+GltfShare SetCoat(GltfTextures& context, const tinygltf::Material& from, Material& coated) {
+  const auto* const coat = GltfExtension(from, khr::kClearcoat);
+  const float strength = coat == nullptr ? 0 : GltfFractionOf(context, *coat, "clearcoatFactor", 0);
+  if (!(strength > 0)) return {0};
+  const GltfShare share =
+      AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
+  coated.coat = share.number;
+  const float roughness = GltfFractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
+  coated.coat_alpha = roughness * roughness;
+  if (roughness > 0) {
+    coated.coat_alpha_texture =
+        GltfTextureOf(context, *coat, "clearcoatRoughnessTexture", Encoding::kLinear);
+  }
+  SetCoatNormals(context, from, *coat, coated);
+  return share;
+}
+
+// Returns the material under its coat, or a mixture of both where the coat is not everywhere.
+Material PartlyCoated(GltfTextures& context, const Material& bare, const Material& coated,
+                      const GltfShare& share) {
+  if (!share.texture) return coated;
+  return GltfMixture(context, bare, NamedPart(coated, "coated"), share);
+}
+
 }  // namespace
 
 void SetGltfReflection(GltfTextures& context, const tinygltf::Material& from, Material& material) {
@@ -116,23 +142,31 @@ Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Mate
     }
   }
   base.coat = 0;
-  const auto* const coat = GltfExtension(from, khr::kClearcoat);
-  const float strength = coat == nullptr ? 0 : GltfFractionOf(context, *coat, "clearcoatFactor", 0);
-  if (!(strength > 0)) return base;
-  const GltfShare share =
-      AddGltfShare(context, TextureInfo(*coat, "clearcoatTexture"), 0, strength);
   Material coated = base;
-  coated.coat = share.number;
-  const float roughness = GltfFractionOf(context, *coat, "clearcoatRoughnessFactor", 0);
-  coated.coat_alpha = roughness * roughness;
-  if (roughness > 0) {
-    coated.coat_alpha_texture =
-        GltfTextureOf(context, *coat, "clearcoatRoughnessTexture", Encoding::kLinear);
-  }
-  SetCoatNormals(context, from, *coat, coated);
+  const GltfShare share = SetCoat(context, from, coated);
+  if (!(share.number > 0)) return base;
   AddLayer(coated.coat_alpha_texture || coated.own_base_normals, coated);
-  if (!share.texture) return coated;
-  return GltfMixture(context, base, NamedPart(coated, "coated"), share);
+  return PartlyCoated(context, base, coated, share);
+}
+
+Material CoatedGltfGlass(GltfTextures& context, const tinygltf::Material& from, Material glass) {
+  Material coated = glass;
+  const GltfShare share = SetCoat(context, from, coated);
+  if (!(share.number > 0)) return glass;
+  const bool solid =
+      glass.bsdf == BsdfKind::kDielectric || glass.bsdf == BsdfKind::kRoughDielectric;
+  if (solid && glass.ior <= 1.001f) {
+    WarnOfMaterial(context, "KHR_materials_clearcoat: what has the index of air has no coat");
+    return glass;
+  }
+  // Smooth glass gets the narrowest facets, because the coat needs a density.
+  coated.bsdf = solid ? BsdfKind::kCoatedRoughDielectric : BsdfKind::kCoatedRoughThinDielectric;
+  if (coated.coat_alpha_texture) {
+    coated.coat_alpha_texture.reset();
+    WarnOfMaterial(context,
+                   "clearcoatRoughnessTexture: the coat of what transmits has the factor alone");
+  }
+  return PartlyCoated(context, glass, coated, share);
 }
 
 }  // namespace skywave

@@ -16,4 +16,7 @@ Material LayeredGltf(GltfTextures& context, const tinygltf::Material& from, Mate
 // KHR_materials_iridescence.
 void SetGltfReflection(GltfTextures& context, const tinygltf::Material& from, Material& material);
 
+// Returns the glass under its coat, if it has one.
+Material CoatedGltfGlass(GltfTextures& context, const tinygltf::Material& from, Material glass);
+
 }  // namespace skywave

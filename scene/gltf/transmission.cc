@@ -37,7 +37,7 @@ glm::vec3 Absorption(GltfTextures& context, const tinygltf::Value& volume) {
 }
 
 // Returns the glass that transmits in the base colour and reflects white, or what its layers
-// make of that. Without a volume, the extension describes a thin pane.
+// make of that, under its coat. Without a volume, the extension describes a thin pane.
 Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Material& base) {
   const tinygltf::Value* const volume = GltfExtension(from, khr::kVolume);
   const bool solid = volume != nullptr && GltfNumber(*volume, "thicknessFactor", 0) > 0;
@@ -53,7 +53,7 @@ Material GlassOf(GltfTextures& context, const tinygltf::Material& from, const Ma
   }
   if (smooth) glass.roughness_texture.reset();
   SetGltfReflection(context, from, glass);
-  return glass;
+  return CoatedGltfGlass(context, from, std::move(glass));
 }
 
 // Returns what an extension mixes in: a factor times a channel of a texture, or nothing without the
@@ -110,7 +110,7 @@ Material TransmittingGltf(GltfTextures& context, const tinygltf::Material& from,
     const char *extension, *what;
     bool over_glass;
   };
-  constexpr Layer kLayers[] = {{khr::kClearcoat, "the coat", false},
+  constexpr Layer kLayers[] = {{khr::kClearcoat, "the coat", true},
                                {khr::kSheen, "the sheen", false},
                                {khr::kAnisotropy, "its grain", false},
                                {khr::kSpecular, "its colour", true},

@@ -148,8 +148,7 @@ TEST(BothDirections, ValuesAreReciprocal) {
     SCOPED_TRACE(material.name);
     Pairs pairs(material, false, seed++);
     pairs.Evaluate();
-    const double ior = material.kind == BsdfKind::kRoughDielectric ? material.record.ior : 1;
-    const double ratio = material.back ? ior : 1 / ior;  // index on wo's side over the other one
+    const double ratio = TransmissionRatio(material).value_or(1);
     double largest = 0;
     for (std::uint32_t i = 0; i < kRows; ++i) {
       largest = std::max(largest, double(pairs.seen.forward->g[i]));

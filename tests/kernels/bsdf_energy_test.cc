@@ -201,6 +201,33 @@ TEST(BsdfEnergy, WhiteRoughPanesLoseNothing) {
   }
 }
 
+// A coat takes from both sides of glass what it reflects, or a little more where light is scattered
+// to angles at which the coat reflects more than at that of the eye. Light that a narrow pane
+// transmits goes straight on, so hardly anything is lost there.
+TEST(BsdfEnergy, WhiteGlassUnderACoatReflectsNoMoreThanArrives) {
+  const auto coated = [](BsdfKind kind, float alpha) {
+    return Material{
+        .bsdf = kind, .reflectance = glm::vec3(1), .alpha = alpha, .coat = 1, .coat_alpha = 0.02f};
+  };
+  for (const double cosine : kCosines) {
+    for (const bool back : {false, true}) {
+      const auto pane = [&](float alpha) {
+        const BsdfKind kind = BsdfKind::kCoatedRoughThinDielectric;
+        return Albedo({"", kind, PackMaterial(coated(kind, alpha), {}), back}, cosine)[1];
+      };
+      EXPECT_NEAR(pane(0.02f), 1, cosine > 0.4 ? 6e-3 : 0.03) << cosine;
+      const BsdfKind kind = BsdfKind::kCoatedRoughDielectric;
+      const double solid = Albedo(
+          {"", kind, RecordOfGlass(coated(kind, 0.3f), MakeDielectricTable(0.3f, 1.5f)), back},
+          cosine)[1];
+      for (const double rough : {pane(0.4f), solid}) {
+        EXPECT_LT(rough, 1 + 6e-3) << cosine;
+        EXPECT_GT(rough, 0.85) << cosine;
+      }
+    }
+  }
+}
+
 // Layers over white keep the furnace white: a weaker dielectric, a grain, and a film. What facets
 // under a film reflect depends on their own angles, and the body knows that of the surface alone:
 // up to a tenth is lost there, and more at grazing angles.

@@ -144,22 +144,22 @@ TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
     ChangeField(field);
     const MaterialRecord after = PackMaterial(changed, measured_);
     const bool common = name == "reflectance" || name == "color_texture";
-    const bool read =
-        common || Lists(bsdf_, name) ||
-        (name == "roughness_texture" &&
-         (bsdf_.varying == Varying::kRoughness || bsdf_.varying == Varying::kAlpha ||
-          bsdf_.varying == Varying::kLayers || bsdf_.varying == Varying::kCoatWidths ||
-          bsdf_.across)) ||
-        (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
-        (part == MaterialPart::kLayerTextures && bsdf_.varying == Varying::kLayers) ||
-        (part == MaterialPart::kReflectionLayerTextures &&
-         (bsdf_.glass_layers || bsdf_.varying == Varying::kLayers)) ||
-        (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
-         !bsdf_.name.starts_with("coated")) ||
-        (part == MaterialPart::kSingleScattering &&
-         (bsdf_.name == "conductor" || bsdf_.name == "anisotropic-conductor" ||
-          bsdf_.name == "rough-dielectric" || bsdf_.name == "rough-thin-dielectric")) ||
-        (part == MaterialPart::kAbsorption && bsdf_.inside);
+    const bool read = common || Lists(bsdf_, name) ||
+                      (name == "roughness_texture" &&
+                       (bsdf_.varying == Varying::kRoughness || bsdf_.varying == Varying::kAlpha ||
+                        bsdf_.varying == Varying::kLayers ||
+                        bsdf_.varying == Varying::kCoatWidths || bsdf_.across)) ||
+                      (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
+                      (part == MaterialPart::kLayerTextures && bsdf_.varying == Varying::kLayers) ||
+                      (part == MaterialPart::kReflectionLayerTextures &&
+                       (bsdf_.glass_layers || bsdf_.varying == Varying::kLayers)) ||
+                      (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
+                       !bsdf_.name.starts_with("coated")) ||
+                      (part == MaterialPart::kSingleScattering &&
+                       (bsdf_.name == "conductor" || bsdf_.name == "anisotropic-conductor" ||
+                        bsdf_.name.ends_with("rough-dielectric") ||
+                        bsdf_.name.ends_with("rough-thin-dielectric"))) ||
+                      (part == MaterialPart::kAbsorption && bsdf_.inside);
     EXPECT_EQ(WordsOf(before) != WordsOf(after), read) << name;
   });
 }

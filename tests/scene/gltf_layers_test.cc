@@ -304,6 +304,47 @@ TEST_F(GltfLayers, IndicesThatNoIntHoldsAreThoseOfMissingThings) {
   EXPECT_NE(said.find("there is no texture 2147483647"), said.npos) << said;
 }
 
+TEST_F(GltfLayers, GlassHasItsCoat) {
+  const auto part_of = [](const Scene& scene, BsdfKind kind) {
+    const auto at = std::find_if(scene.materials.begin(), scene.materials.end(),
+                                 [&](const Material& part) { return part.bsdf == kind; });
+    return at == scene.materials.end() ? std::nullopt : std::optional(*at);
+  };
+  json coat = {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.5}};
+  for (const double thickness : {0.0, 1.0}) {
+    const auto read = [&](double ior) {
+      return ReadWith({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                       {"KHR_materials_volume", {{"thicknessFactor", thickness}}},
+                       {"KHR_materials_ior", {{"ior", ior}}},
+                       {"KHR_materials_clearcoat", coat}});
+    };
+    const BsdfKind kind =
+        thickness > 0 ? BsdfKind::kCoatedRoughDielectric : BsdfKind::kCoatedRoughThinDielectric;
+    coat.erase("clearcoatRoughnessTexture"), coat.erase("clearcoatTexture");
+    Scene scene = read(1.5);
+    EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+    const auto glass = part_of(scene, kind);
+    ASSERT_TRUE(glass);
+    EXPECT_EQ(glass->coat, 0.5f);
+    EXPECT_EQ(glass->coat_alpha, 0.25f);
+
+    coat["clearcoatTexture"] = texture_, coat["clearcoatRoughnessTexture"] = texture_;
+    scene = read(1.5);
+    ASSERT_TRUE(part_of(scene, kind)) << "in a mixture";
+    EXPECT_FALSE(part_of(scene, kind)->coat_alpha_texture);
+    EXPECT_TRUE(part_of(
+        scene, thickness > 0 ? BsdfKind::kRoughDielectric : BsdfKind::kRoughThinDielectric));
+    std::string said = fmt::format("{}", fmt::join(scene.warnings, "\n"));
+    EXPECT_NE(said.find("the coat of what transmits has the factor alone"), said.npos) << said;
+
+    scene = read(1);
+    said = fmt::format("{}", fmt::join(scene.warnings, "\n"));
+    const bool refused = said.find("the index of air has no coat") != said.npos;
+    EXPECT_EQ(refused, thickness > 0) << said;
+    EXPECT_EQ(part_of(scene, kind).has_value(), thickness == 0);
+  }
+}
+
 TEST_F(GltfLayers, DiffuseTransmissionHasNeitherWhichIsSaid) {
   const Scene scene =
       ReadWith({{"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 1}}},

@@ -13,6 +13,7 @@
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
+#include "tests/support/glass_formulas.h"
 #include "tests/support/layered_formulas.h"
 #include "tests/support/oracle_bsdf.h"
 
@@ -249,6 +250,27 @@ std::vector<MaterialCase> MakeDenseCases() {
                     RecordOfGlass(oily(RoughGlass(0.2f, 1.5f)), MakeDielectricTable(0.2f, 1.5f)),
                     back, 0, images});
   }
+  // Coats over glass, one of which does not follow its relief.
+  const auto lamp = [&](const std::string& name, const Material& glass, bool back,
+                        Vec base_normal) {
+    const bool solid = glass.bsdf == kCoatedRoughDielectric;
+    list.push_back({"Coated" + name, glass.bsdf,
+                    solid ? RecordOfGlass(glass, MakeDielectricTable(glass.alpha, glass.ior))
+                          : PackMaterial(glass, {}),
+                    back, 0, images, base_normal});
+  };
+  for (const bool back : {false, true}) {
+    const std::string side = back ? "Inside" : "Outside";
+    Material glass = RoughGlass(0.3f, 1.5f);
+    glass.bsdf = kCoatedRoughDielectric, glass.coat_alpha = 0.1f;
+    lamp("Glass" + side, glass, back, {0, 0, 1});
+    glass.alpha = 0.2f, glass.coat = 0.8f, glass.coat_alpha = 0.3f;
+    lamp("TiltedGlass" + side, oily(glass), back, Unit({0.125, -0.0625, 0.8125}));
+    glass.bsdf = kCoatedRoughThinDielectric;
+    lamp("Pane" + side, oily(glass), back, {0, 0, 1});
+    glass.alpha = 0.4f, glass.coat_alpha = 0.1f;
+    lamp("TiltedPane" + side, glass, back, Unit({0.125, -0.0625, 0.8125}));
+  }
   list.push_back({"Measured", kMeasured, {.color = {1, 1, 1}, .alpha = 0.3f, .ior = 0.6f}});
   return list;
 }
@@ -297,6 +319,9 @@ double LobeWidth(const MaterialCase& material) {
       return std::min(m.alpha, m.ior);
     case BsdfKind::kRoughDielectric:
       return m.multiscatter[2] > 0 ? std::min(m.alpha, m.multiscatter[2]) : m.alpha;
+    case BsdfKind::kCoatedRoughDielectric:
+    case BsdfKind::kCoatedRoughThinDielectric:
+      return std::min(m.alpha, CoatOfGlass(m).alpha);
     case BsdfKind::kCoatedMetallicRoughness:
       return std::min(m.alpha, m.k[1]);
     case BsdfKind::kCoatedConductor:
@@ -347,6 +372,18 @@ std::vector<Material> BeyondTheBuiltinOnes() {
            .reflectance = {0.9f, 0.7f, 0.3f},
            .alpha = 0.2f,
            .reflection = glm::vec3(1)},
+          {.name = "lacquered pane",
+           .bsdf = BsdfKind::kCoatedRoughThinDielectric,
+           .reflectance = {0.9f, 0.7f, 0.3f},
+           .alpha = 0.3f,
+           .coat_alpha = 0.1f,
+           .reflection = glm::vec3(1)},
+          {.name = "lacquered glass",
+           .bsdf = BsdfKind::kCoatedRoughDielectric,
+           .reflectance = {0.9f, 0.7f, 0.3f},
+           .alpha = 0.3f,
+           .coat = 0.8f,
+           .coat_alpha = 0.1f},
           {.name = "lamp shade",
            .bsdf = BsdfKind::kCoatedDiffuseTransmission,
            .reflectance = {0.9f, 0.7f, 0.3f},

@@ -28,15 +28,19 @@ Material RoughGlass(float alpha, float ior);
 std::vector<Material> BeyondTheBuiltinOnes();
 MaterialRecord Keeping(MaterialRecord anisotropic);
 
+// Returns the glass that a coat lies over, or the BSDF itself.
+inline BsdfKind WithoutCoat(BsdfKind kind) {
+  if (kind == BsdfKind::kCoatedRoughDielectric) return BsdfKind::kRoughDielectric;
+  if (kind == BsdfKind::kCoatedRoughThinDielectric) return BsdfKind::kRoughThinDielectric;
+  return kind;
+}
+
 // Returns the near index over the far index, 1 if nothing is refracted, or nothing if light cannot
 // pass.
 inline std::optional<double> TransmissionRatio(const MaterialCase& material) {
-  if (material.kind == BsdfKind::kDiffuseTransmission ||
-      material.kind == BsdfKind::kCoatedDiffuseTransmission ||
-      material.kind == BsdfKind::kRoughThinDielectric) {
-    return 1;
-  }
-  if (material.kind != BsdfKind::kRoughDielectric) return std::nullopt;
+  const BsdfKernels& bsdf = Bsdfs()[std::size_t(material.kind)];
+  if (!bsdf.transmits || bsdf.delta) return std::nullopt;
+  if (!bsdf.refracts) return 1;
   return material.back ? double(material.record.ior) : 1.0 / material.record.ior;
 }
 

@@ -181,12 +181,12 @@ FormulaValue CoatFormula(const FormulaValue& below, double strength, double alph
     return strength * (f0 * TableAt(GgxTables().albedo, alpha, cosine) +
                        (1 - f0) * TableAt(GgxTables().grazing, alpha, cosine));
   };
-  const Vec h = HalfOf(wo, wi);
+  const Vec up = {wi.x, wi.y, std::fabs(wi.z)}, h = HalfOf(wo, up);
   const double fresnel = strength * (f0 + (1 - f0) * std::pow(1 - std::min(1.0, Dot(wo, h)), 5));
-  const double lobe = GgxDensity(h, alpha, alpha) / (4 * wo.z);
-  const double lo = GgxLambda(wo, alpha, alpha), li = GgxLambda(wi, alpha, alpha);
+  const double lobe = wi.z > 0 ? GgxDensity(h, alpha, alpha) / (4 * wo.z) : 0;
+  const double lo = GgxLambda(wo, alpha, alpha), li = GgxLambda(up, alpha, alpha);
   const double value = fresnel * lobe / (1 + lo + li);
-  return LayerOver(below, {value, value, value}, lobe / (1 + lo), albedo(wo.z), albedo(wi.z));
+  return LayerOver(below, {value, value, value}, lobe / (1 + lo), albedo(wo.z), albedo(up.z));
 }
 
 double ColumnAt(const CoatColumn& column, double cosine) {
@@ -361,6 +361,18 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
         base = SheenFormula(LayeredBaseFormula(material, below_o, below_i), here, below_o, below_i);
       }
       return CoatFormula(base, here.k[0], here.k[1], 0.04, wo, wi);
+    }
+    case BsdfKind::kCoatedRoughDielectric:
+    case BsdfKind::kCoatedRoughThinDielectric: {
+      const Vec below_o = BelowCoat(material, wo, wo), below_i = BelowCoat(material, wo, wi);
+      FormulaValue glass;  // nothing where it sees one of the directions from another side
+      if (below_o.z > 0 && below_i.z * wi.z > 0) {
+        glass = material.kind == BsdfKind::kCoatedRoughDielectric
+                    ? RoughDielectricFormula(material, below_o, below_i)
+                    : RoughThinDielectricFormula(material, below_o, below_i);
+      }
+      const GlassCoatWords coat = CoatOfGlass(m);
+      return CoatFormula(glass, coat.strength, coat.alpha, 0.04, wo, wi);
     }
     case BsdfKind::kCoatedConductor:
     case BsdfKind::kCoatedDiffuse:

@@ -41,13 +41,13 @@ FormulaValue ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi, int 
   const double moved = 0x1p-24 * roundings;
   const FormulaValue middle = BsdfFormula(material, wo, wi);
   FormulaValue change;
-  if (material.kind == BsdfKind::kRoughDielectric) {
+  if (WithoutCoat(material.kind) == BsdfKind::kRoughDielectric) {
     MaterialCase denser = material;
     denser.record.ior *= 1 + 0x1p-23f;
     Add(Distance(BsdfFormula(denser, wo, wi), middle), 1, change);
     Add(middle, FresnelChange(*TransmissionRatio(material), wo, wi), change);
   }
-  if (material.kind == BsdfKind::kRoughThinDielectric) {
+  if (WithoutCoat(material.kind) == BsdfKind::kRoughThinDielectric) {
     const double ratio = 1.0 / material.record.ior;
     const Vec mirrored = {wi.x, wi.y, std::fabs(wi.z)};
     Add(middle, FresnelChange(ratio, wo, mirrored), change);

@@ -91,6 +91,11 @@ GlassFacet FacetOfGlass(const MaterialCase& material, double cosine, double near
   return facet;
 }
 
+GlassCoatWords CoatOfGlass(const MaterialRecord& record) {
+  return {std::bit_cast<float>(record.sheen_texture),
+          std::bit_cast<float>(record.sheen_alpha_texture)};
+}
+
 double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi) {
   return GlassFacetsFormula(material, wo, wi).pdf;
 }

@@ -15,6 +15,12 @@ struct GlassFacet {
 };
 GlassFacet FacetOfGlass(const MaterialCase& material, double cosine, double near, double far);
 
+// The coat of glass under one.
+struct GlassCoatWords {
+  float strength, alpha;
+};
+GlassCoatWords CoatOfGlass(const MaterialRecord& record);
+
 FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi);
 FormulaValue RoughThinDielectricFormula(const MaterialCase& material, Vec wo, Vec wi);
 

@@ -200,6 +200,15 @@ double VisibleDensity(double alpha, const dvec3& wo, const dvec3& wi) {
   const double d = a2 / (kPi * Square(a2 * h.z * h.z + h.x * h.x + h.y * h.y));
   return d / (4 * wo.z * (1 + Lambda(alpha, wo)));
 }
+bool Refracts(const OracleMaterial& m) { return Bsdfs()[std::size_t(m.bsdf)].refracts; }
+// The lobe of the coat of glass, which is drawn with this probability.
+struct CoatLobe {
+  double share, alpha;
+};
+CoatLobe CoatLobeOf(const OracleMaterial& m) {
+  if (m.bsdf != BsdfKind::kCoatedRoughDielectric) return {0, 1};
+  return {0.2, CoatOfGlass(m.formula->record).alpha};
+}
 // Returns the widths of lobes about the mirror direction.
 std::array<double, 2> LobeWidths(const OracleMaterial& m) {
   return {std::max(LobeWidth(*m.formula), 0.02), std::max(m.alpha, 0.1)};
@@ -209,10 +218,12 @@ OracleValue EvaluateFormula(const OracleMaterial& m, bool back, const dvec3& wo,
   const FormulaValue exact =
       BsdfFormula(back ? *m.formula_of_back : *m.formula, {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
   OracleValue out = {{exact.rgb[0], exact.rgb[1], exact.rgb[2]}, exact.pdf};
-  if (m.bsdf == BsdfKind::kRoughDielectric) {
+  if (Refracts(m)) {
     const double facets = FacetDensityOfGlass(back ? *m.formula_of_back : *m.formula,
                                               {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
-    out.pdf = 0.7 * facets + 0.3 * std::abs(wi.z) / (2 * kPi);
+    const double below = 0.7 * facets + 0.3 * std::abs(wi.z) / (2 * kPi);
+    const CoatLobe coat = CoatLobeOf(m);
+    out.pdf = std::lerp(below, wi.z > 0 ? VisibleDensity(coat.alpha, wo, wi) : 0, coat.share);
     return out;
   }
   const dvec3 up(wi.x, wi.y, std::abs(wi.z));
@@ -230,7 +241,12 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
     const dvec3 up = CosineDirection(random);
     return random() < 0.5 ? up : -up;
   }
-  if (m.bsdf == BsdfKind::kRoughDielectric) {
+  if (Refracts(m)) {
+    if (const CoatLobe coat = CoatLobeOf(m); random() < coat.share) {
+      const dvec3 h = VisibleNormal(coat.alpha, wo, random);
+      const dvec3 wi = 2 * glm::dot(wo, h) * h - wo;
+      return wi.z > 0 ? wi : dvec3(0);
+    }
     // Three in ten are drawn for the light that scatters between facets.
     if (random() < 0.3) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
     const dvec3 h = VisibleNormal(m.alpha, m.alpha_across, wo, random);
@@ -247,8 +263,8 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
   if (lobe < 1) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
   const dvec3 h = VisibleNormal(LobeWidths(m)[lobe < 2 ? 0 : 1], wo, random);
   const dvec3 wi = 2 * glm::dot(wo, h) * h - wo;
-  if (!Transmits(m) || random() < 0.5) return wi;
-  return wi.z > 0 ? dvec3(wi.x, wi.y, -wi.z) : dvec3(0);
+  if (!(wi.z > 0)) return dvec3(0);  // into the surface: no density counts it
+  return Transmits(m) && random() < 0.5 ? dvec3(wi.x, wi.y, -wi.z) : wi;
 }
 
 OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleRandom& random) {
@@ -385,7 +401,7 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
     const bool coated = material.bsdf == kCoatedConductor || material.bsdf == kCoatedDiffuse;
     MaterialCase packed = {name, material.bsdf,
                            coated ? RecordWithCoat(material) : PackMaterial(material, {})};
-    if (m.bsdf == kRoughDielectric && material.energy_compensation) {
+    if (Refracts(m) && material.energy_compensation) {
       packed.record = RecordOfGlass(material, LossesByQuadrature(m.alpha, m.alpha_across, m.ior));
     }
     m.formula = std::make_shared<MaterialCase>(packed);

@@ -52,10 +52,11 @@ class TangentFrame {
 };
 
 // Returns the case of the other side of the surface. The frames of a normal and of its opposite
-// share the first axis, and the tangent stays where it is.
+// share the first axis, and the tangent stays where it is; the normal below a coat is turned, too.
 inline MaterialCase SeenFromBehind(MaterialCase material) {
   material.back = !material.back;
   material.turn = -material.turn;
+  material.base_normal.x = -material.base_normal.x;
   return material;
 }
 
