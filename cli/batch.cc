@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "cli/commands.h"
 #include "cli/print.h"
 #include "cli/progress.h"
@@ -187,7 +188,7 @@ int BatchMain(const BatchFlags& flags) {
     return 0;
   }
   if (flags.list) {
-    Print(stdout, "{}", flags.json ? ListJson(plan).dump(2) + "\n" : Text(PictureTable(plan)));
+    Print(stdout, "{}", flags.json ? JsonText(ListJson(plan), 2) + "\n" : Text(PictureTable(plan)));
     return 0;
   }
   if (flags.dry_run) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "bench/measure/json_reports.h"
 #include "bench/measure/picture_noise.h"
 #include "cli/commands.h"
@@ -163,7 +164,7 @@ int CompareMain(const CompareFlags& flags) {
                                                  : ErrorMap(image, reference, flags.full_scale));
     Print(stdout, "wrote {}\n", flags.map);
   }
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, JsonText(json, 2) + "\n");
   return 0;
 }
 

@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "cli/commands.h"
 #include "cli/print.h"
@@ -342,7 +343,7 @@ int InfoMain(const InfoFlags& flags) {
   CheckOutputs(std::array{flags.json}, std::array{flags.request.scene});
   const SceneFile file = Load(flags.request.scene, flags.request.read);
   PrintScene(flags.request.scene, file);
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, JsonText(Json(file), 2) + "\n");
   return 0;
 }
 

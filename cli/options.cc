@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
@@ -73,7 +74,7 @@ std::string Json(const std::vector<NamedCommand>& commands) {
       list.push_back(std::move(entry));
     }
   }
-  return json.dump(2) + "\n";
+  return JsonText(json, 2) + "\n";
 }
 
 std::string Text(const std::vector<NamedCommand>& commands) {

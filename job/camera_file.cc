@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "base/nearest_name.h"
 
 namespace skywave {
@@ -197,7 +198,7 @@ Entry EntryOfMatrices(const std::string& path, const Json& json, int width, int 
 }
 
 std::vector<Entry> EntriesOfJson(const std::string& path, int width, int height) try {
-  const Json json = Json::parse(ReadFile(path));
+  const Json json = ParseOrderedJson(ReadFile(path));
   if (!json.contains("frames")) return {EntryOfMatrices(path, json, width, height)};
   std::vector<Entry> entries;
   for (const Json& frame : json.at("frames")) {

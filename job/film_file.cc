@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "wavefront/film/aovs.h"
 
 namespace skywave {
@@ -107,7 +108,7 @@ T Whole(const Json& json) {
   const bool fits = json.is_number_unsigned()
                         ? std::in_range<T>(json.get<std::uint64_t>())
                         : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
-  if (!fits) throw std::runtime_error(json.dump() + " is not a number that can stand there");
+  if (!fits) throw std::runtime_error(JsonText(json) + " is not a number that can stand there");
   return json.get<T>();
 }
 
@@ -261,7 +262,7 @@ std::uint64_t NumberAt(std::string_view bytes, std::size_t offset) {
 }  // namespace
 
 void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) {
-  const std::string manifest = Manifest(file, film).dump(1);
+  const std::string manifest = JsonText(Manifest(file, film), 1);
   const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> hash(XXH64_createState(),
                                                                         &XXH64_freeState);
   if (!hash) throw std::bad_alloc();
@@ -301,11 +302,10 @@ FilmInFile ParseFilm(std::string_view bytes, const std::string& path) {
   if (manifest_bytes > body - kHeaderBytes) throw refuse(kMagic.size(), "the manifest is too long");
   const std::size_t sums = kHeaderBytes + std::size_t(manifest_bytes);
   try {
-    const Json json =
-        Json::parse(bytes.begin() + kHeaderBytes, bytes.begin() + std::ptrdiff_t(sums));
+    const Json json = ParseOrderedJson(bytes.substr(kHeaderBytes, sums - kHeaderBytes));
     if (json.at("format") != kFormat) {
       throw refuse(kHeaderBytes, fmt::format("is a film of format {}, and this program knows {}",
-                                             json.at("format").dump(), kFormat));
+                                             JsonText(json.at("format")), kFormat));
     }
     FilmFile file = FileFrom(json);
     if (json.at("sums").at("bytes") != body - sums) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "bench/measure/bench_compare.h"
 #include "bench/measure/json_input.h"
 
@@ -164,7 +165,7 @@ nlohmann::ordered_json Json(const Baseline& baseline) {
   return json;
 }
 
-std::string JsonText(const Baseline& baseline) { return Json(baseline).dump(2); }
+std::string JsonText(const Baseline& baseline) { return JsonText(Json(baseline), 2); }
 
 Baseline ReadBaseline(const std::string& path) { return BaselineOf(ReadJson(path), path); }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 
 namespace skywave {
 namespace {
@@ -99,7 +100,7 @@ nlohmann::json ReadJson(const std::string& path) {
 
 nlohmann::json ParseJson(std::string_view text, const std::string& path) {
   try {
-    return nlohmann::json::parse(text);
+    return ParseJson(text);
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t end = std::min(error.byte, text.size());
     const auto line = std::count(text.begin(), text.begin() + std::ptrdiff_t(end), '\n');

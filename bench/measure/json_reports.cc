@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/json.h"
 #include "lights/maps/projections.h"
 
 namespace skywave {
@@ -25,7 +26,7 @@ nlohmann::ordered_json Json(const ImageDifference& d, const Flip& flip) {
 }
 
 std::string JsonText(const ImageDifference& difference, const Flip& flip) {
-  return Json(difference, flip).dump(2);
+  return JsonText(Json(difference, flip), 2);
 }
 
 nlohmann::ordered_json Json(const NoiseComparison& c) {
@@ -71,7 +72,7 @@ std::string JsonText(const ProbeMap& map, const ProbeInfo& info) {
                              {"luminance", spot.luminance},
                              {"share", spot.share}});
   }
-  return json.dump(2);
+  return JsonText(json, 2);
 }
 
 }  // namespace skywave

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
+
 namespace skywave {
 namespace {
 
@@ -125,7 +127,7 @@ std::string JsonText(const ProgressState& state) {
   json["picture_seconds_left"] = Known(estimate.picture_seconds);
   json["samples_per_second"] = Known(estimate.samples_per_second);
   // A name of a file may have any bytes.
-  return json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return JsonText(json, -1, JsonCharacters::kAscii) + "\n";
 }
 
 std::string OpenJdText(const ProgressState& state) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/granted.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "wavefront/option_names.h"
 
@@ -170,7 +171,7 @@ std::string JsonText(const RenderReport& report) {
   }
   json["clamped_samples"] = stats.clamped_samples;
   json["invalid_samples"] = stats.invalid_samples;
-  return json.dump(2);
+  return JsonText(json, 2);
 }
 
 }  // namespace skywave

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/granted.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "bench/measure/revision.h"
 #include "cli/bench/flags.h"
@@ -151,9 +152,9 @@ nlohmann::ordered_json SceneJson(const RenderJob& job, const Film& film, const S
 // Writes a result to the file that was asked for, and to standard output in the form of another
 // tool. Returns true if the latter takes the place of the text.
 bool WriteResult(const BenchFlags& flags, const nlohmann::ordered_json& json) {
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, JsonText(json, 2) + "\n");
   if (!flags.export_as) return false;
-  Print(stdout, "{}\n", Export(RecordOf(json, "this run"), *flags.export_as).dump(2));
+  Print(stdout, "{}\n", JsonText(Export(RecordOf(json, "this run"), *flags.export_as), 2));
   return true;
 }
 

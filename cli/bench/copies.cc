@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "bench/measure/copies.h"
 #include "bench/measure/statistics.h"
@@ -82,7 +83,7 @@ int BenchCopies(const BenchFlags& flags) {
         for (const std::size_t i : PartsOfCopy(barrier.copy(), scenes.size(), flags.rotate)) {
           measured[i] = MeasureCopy(scenes[i], repetitions, flags.json, barrier);
         }
-        return measured.dump();
+        return JsonText(measured);
       });
 
   nlohmann::ordered_json json = {{"schema", "skywave-bench-copies-1"},
@@ -99,7 +100,7 @@ int BenchCopies(const BenchFlags& flags) {
   for (const CopyScene& scene : scenes) Print(stdout, "  {:>14}", scene.name);
   for (std::size_t copy = 0; copy < results.size(); ++copy) {
     const CopyResult& result = results[copy];
-    const auto measured = nlohmann::json::parse(result.text);
+    const auto measured = ParseJson(result.text);
     nlohmann::ordered_json& entry = json["copies"].emplace_back(nlohmann::ordered_json::object());
     entry["processor"] = nullptr;
     if (result.processor) entry["processor"] = *result.processor;
@@ -131,7 +132,7 @@ int BenchCopies(const BenchFlags& flags) {
   if (flags.json.empty()) return 0;
   json["machine"] = Json(DescribeMachine(flags.request.embree_config));
   json["summary"] = {{"msamples_per_s", total}, {"pinned", pinned}};
-  WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  WriteFileAtomically(flags.json, JsonText(json, 2) + "\n");
   return 0;
 }
 

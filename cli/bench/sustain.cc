@@ -8,6 +8,7 @@
 
 #include "base/files.h"
 #include "base/granted.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "bench/measure/sustain.h"
 #include "cli/bench/flags.h"
@@ -113,7 +114,7 @@ int BenchSustained(const BenchFlags& flags) {
                                  {"threads", threads}};
   json["machine"] = Json(DescribeMachine(flags.request.embree_config));
   json.update(Json(speed));
-  WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  WriteFileAtomically(flags.json, JsonText(json, 2) + "\n");
   return 0;
 }
 

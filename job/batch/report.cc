@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/version.h"
 #include "job/picture.h"
 
@@ -71,7 +72,7 @@ nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& shar
 std::map<std::string, PictureResult> ResultsInJson(const std::string& text) {
   std::map<std::string, PictureResult> results;
   try {
-    const nlohmann::json json = nlohmann::json::parse(text);
+    const nlohmann::json json = ParseJson(text);
     if (json.at("schema") != kSummarySchema) return {};
     for (const nlohmann::json& item : json.at("pictures")) {
       const nlohmann::json& seconds = item.at("seconds");

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "job/batch/page.h"
 #include "job/batch/report.h"
 #include "job/picture.h"
@@ -46,7 +47,7 @@ void BatchFiles::Save(const BatchSummary& run) {
     }
   }
   WriteFileAtomically(ReportName(plan_, share_, ".json"),
-                      SummaryJson(plan_, share_, summary).dump(1) + "\n");
+                      JsonText(SummaryJson(plan_, share_, summary), 1) + "\n");
   // A page of many pictures is long, so it is never held in memory as a whole.
   WriteFileInPieces(ReportName(plan_, share_, ".html"), [&](const PieceWriter& out) {
     WriteBatchPage(plan_, summary, thumbnails_, out);

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "lights/light_sets/voronoi.h"
 
 namespace skywave {
@@ -105,11 +106,11 @@ std::string LightFileText(const LightSet& set, int width, int height, const Ligh
   // A line for each item, for people and for tools that compare files.
   std::string text = "{\n";
   for (const auto& [key, value] : head.items()) {
-    text += fmt::format(" {}: {},\n", Json(key).dump(), value.dump());
+    text += fmt::format(" {}: {},\n", JsonText(Json(key)), JsonText(value));
   }
   text += " \"samples\": [";
   for (std::size_t i = 0; i < set.lights.size(); ++i) {
-    text += fmt::format("{}\n  {}", i == 0 ? "" : ",", JsonOf(set.lights[i], energy).dump());
+    text += fmt::format("{}\n  {}", i == 0 ? "" : ",", JsonText(JsonOf(set.lights[i], energy)));
   }
   text += "\n ],\n \"cells\": [";
   for (int y = 0; y < height; ++y) {
@@ -122,7 +123,7 @@ std::string LightFileText(const LightSet& set, int width, int height, const Ligh
 LightSet ReadLightFile(const std::string& path, const SphereMap& map) {
   const InputPosition at = InputPosition::File(path);
   try {
-    const Json json = Json::parse(ReadFile(path));
+    const Json json = ParseOrderedJson(ReadFile(path));
     const Json& samples = json.at("samples");
     std::vector<Vector3> directions;
     for (const Json& sample : samples) {

@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json.h"
 #include "scene/gltf/buffers.h"
 #include "scene/gltf/compression.h"
 
@@ -88,7 +89,7 @@ void CheckVersion(const json& document, const std::string& path) {
   // Old programs write numbers.
   const auto text_of = [&](const char* key) -> std::string {
     if (!asset.is_object() || !asset.contains(key)) return "";
-    return asset[key].is_string() ? asset[key].get<std::string>() : asset[key].dump();
+    return asset[key].is_string() ? asset[key].get<std::string>() : JsonText(asset[key]);
   };
   const std::string version = text_of("version");
   // Files of version 1 name things by words, in objects, and some of them lack the version.
@@ -334,7 +335,7 @@ tinygltf::Model ParseModel(GltfSource& source, Files& files, const std::string& 
   loader.SetImageLoader(KeepImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
-  const std::string text = source.json.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::string text = JsonText(source.json);
   const bool loaded = loader.LoadASCIIFromString(&model, &error, &warning, text.c_str(),
                                                  static_cast<unsigned int>(text.size()), "");
   if (!files.refused.empty()) {
@@ -352,7 +353,7 @@ tinygltf::Model ParseModel(GltfSource& source, Files& files, const std::string& 
 tinygltf::Model LoadGltf(const std::string& bytes, const std::string& path, Warnings& warnings) {
   try {
     const Container container = ContainerOf(bytes, path);
-    GltfSource source{json::parse(container.json), {}};
+    GltfSource source{ParseJson(container.json), {}};
     CheckVersion(source.json, path);
     Files files{fs::path(path).parent_path(), &source.buffers, ""};
     for (const json& buffer : source.json.value("buffers", json::array())) {

@@ -170,6 +170,16 @@ TEST(MergeFilms, AFilmIsFlushedBeforeItsName) {
   EXPECT_EQ(flushed_are_folders, (std::vector<bool>{false, true}));
 }
 
+// A file of Latin-1's age has such a name, and its render is not lost for it.
+TEST(MergeFilms, AFilmOfAFileWhoseNameIsNotUtf8IsWritten) {
+  const TemporaryFolder folder;
+  JobRequest request = Request(Integrator::kPath, "normal");
+  request.scene = "caf\xe9.ply";
+  Parts parts(folder, request);
+  const FilmInFile film = ReadFilm(parts.Render(Whole()));
+  EXPECT_NE(film.file.identity.scene.find("caf\xef\xbf\xbd.ply"), std::string::npos);
+}
+
 TEST(MergeFilms, MergedPartsEqualTheWholePicture) {
   ExpectBytesOfOneRender(Request(Integrator::kPath, "all,crypto-object,crypto-material"), 10,
                          false);

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "base/json.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -124,11 +125,10 @@ Metadata MatteAttributes(std::string_view layer, const MatteNames& names) {
   }
   const std::string key =
       fmt::format("{}{}/", kAttributes, fmt::format("{:08x}", MatteId(layer)).substr(0, 7));
-  return {
-      {key + "name", std::string(layer)},
-      {key + "hash", "MurmurHash3_32"},
-      {key + "conversion", "uint32_to_float32"},
-      {key + "manifest", manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}};
+  return {{key + "name", std::string(layer)},
+          {key + "hash", "MurmurHash3_32"},
+          {key + "conversion", "uint32_to_float32"},
+          {key + "manifest", JsonText(manifest)}};
 }
 
 bool IsOfMatte(std::string_view attribute) { return attribute.starts_with(kAttributes); }

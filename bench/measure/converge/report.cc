@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/granted.h"
+#include "base/json.h"
 #include "base/version.h"
 #include "bench/measure/revision.h"
 #include "wavefront/option_names.h"
@@ -174,7 +175,7 @@ std::string JsonText(const ConvergeReport& report) {
     json["strategies"].push_back(std::move(strategy));
   }
   json["warnings"] = report.warnings;
-  return json.dump(2);
+  return JsonText(json, 2);
 }
 
 std::vector<Plot> Plots(const ConvergeReport& report) {
