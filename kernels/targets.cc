@@ -18,9 +18,10 @@ std::int64_t BestTarget() {
 
 void RequireKernelTarget() {
   if (BestTarget() != 0) return;
-  throw std::runtime_error(
-      "this processor has no AVX2, which Skywave needs; -DSKYWAVE_ALL_TARGETS=ON builds it for all "
-      "processors");
+  const std::string lowest = (HWY_TARGETS & HWY_AVX2) != 0 ? "AVX2" : "AVX-512";
+  throw std::runtime_error("this processor has no " + lowest +
+                           ", which this build of Skywave needs; -DSKYWAVE_TARGETS=all builds it "
+                           "for all processors");
 }
 
 std::string KernelTarget() { return hwy::TargetName(BestTarget()); }

@@ -34,7 +34,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3]
 """
 
 BUILD_FLAGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF",
-               "-DSKYWAVE_BENCH=OFF", "-DSKYWAVE_ONE_TARGET=ON",
+               "-DSKYWAVE_BENCH=OFF", "-DSKYWAVE_TARGETS=AVX2",
                "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG"]
 
 

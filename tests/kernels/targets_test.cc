@@ -18,7 +18,7 @@ TEST(Targets, ThisProcessorIsAccepted) {
 }
 
 TEST(Targets, AProcessorWithoutAvx2IsRefusedInASentence) {
-  if ((HWY_TARGETS & HWY_SSE4) != 0) GTEST_SKIP() << "skipped: SKYWAVE_ALL_TARGETS runs everywhere";
+  if ((HWY_TARGETS & HWY_SSE4) != 0) GTEST_SKIP() << "skipped: SKYWAVE_TARGETS=all runs everywhere";
   const TargetScope scope(HWY_SSE4);
   try {
     RequireKernelTarget();
