@@ -4,11 +4,9 @@
 # alone, which compile in half of the time; `scripts/build.sh release` adds those for others.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-if [[ -e build/release/CMakeCache.txt ]]; then
-  scripts/build.sh
-else
-  scripts/build.sh program -DSKYWAVE_TARGETS=here
-fi
+options=()
+[[ -e build/release/CMakeCache.txt ]] || options=(-DSKYWAVE_TARGETS=here)
+scripts/build.sh program "${options[@]}"
 mkdir -p renders
 if [[ $# -eq 0 ]]; then
   # Paths find the sun's caustics too seldom: the limit removes the bright dots that they would be.

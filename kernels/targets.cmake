@@ -1,8 +1,8 @@
 # Instruction sets of skywave_kernels, by SKYWAVE_TARGETS. Each is a compilation of every kernel, with
 # the same bits. AVX2 and AVX-512 are enough for processors since 2013 (Intel) and 2015 (AMD); the
-# other sets bring less than the noise in time. AVX2 is then the baseline, which is what Highway takes
-# for granted, so that nothing is compiled for less (RequireKernelTarget). Only kernels are compiled
-# for it.
+# other sets bring less than the noise in time. The lowest set is the baseline, which is what Highway
+# takes for granted, so that nothing is compiled for less (RequireKernelTarget). Only kernels are
+# compiled for it.
 #
 # One set alone takes half of the time, is called without dispatch, and lets Highway's headers be
 # precompiled (highway_headers), which two sets read twice. For sanitizers it is AVX2, because they look
