@@ -26,11 +26,13 @@ build/release/skywave "${picture[@]}" "$folder/picture.exr"
 
 for release in "$@"; do
   version=${python[$release]}
-  # What pip would fetch from PyPI.
-  mkdir -p "$folder/numpy"
-  compgen -G "$folder/numpy/numpy-*-cp${version/./}-*" >/dev/null ||
-    "$tools/bin/pip" download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
-      --python-version "$version" --dest "$folder/numpy" numpy
+  # What pip would fetch from PyPI; embreex and OpenEXR bring libraries that the wheel has too.
+  mkdir -p "$folder/packages"
+  for package in numpy embreex openexr; do
+    compgen -G "$folder/packages/$package-*-cp${version/./}-*" >/dev/null ||
+      "$tools/bin/pip" download --quiet --disable-pip-version-check --no-deps --only-binary :all: \
+        --python-version "$version" --dest "$folder/packages" "$package"
+  done
   make_root "$release" "build/roots/$release-python" python3-venv
   in_root "build/roots/$release-python" --bind "$folder" /portable \
     --bind "$PWD/tests/python" /mnt unshare --net \
@@ -43,7 +45,8 @@ for release in "$@"; do
       PATH=$PWD/of_pip/bin:$PATH
       pip="pip --disable-pip-version-check --no-cache-dir"
       start=$(date +%s.%N)
-      $pip install --quiet --no-index --find-links /portable/numpy --find-links /portable/wheels skywave
+      $pip install --quiet --no-index --find-links /portable/packages --find-links /portable/wheels \
+        skywave
       installed=$(date +%s.%N)
       skywave "$@" picture.exr
       rendered=$(date +%s.%N)
@@ -88,6 +91,10 @@ print(\"%.2f\" % (time.perf_counter() - start))"
         python3 -B -W ignore /mnt/${test}_test.py > tests.log 2>&1 ||
           { cat tests.log; fail "${test}_test.py fails"; }
       done
+      # Other packages with Embree and OpenEXR in the same process, in any order.
+      $pip install --quiet --no-index --no-deps --find-links /portable/packages embreex OpenEXR
+      python3 -B -W ignore /mnt/imports_test.py > tests.log 2>&1 ||
+        { cat tests.log; fail "imports_test.py fails"; }
       # A wheel that lost its program.
       rm of_pip/lib/python3*/site-packages/skywave/bin/skywave
       ! skywave info > refused 2>&1 || fail "the command ran without its program"

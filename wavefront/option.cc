@@ -47,6 +47,17 @@ std::vector<std::string> Values(const OptionInfo& option, const std::string& tex
   return values;
 }
 
+// `text` as one word of a shell command that spells bytes which no header, page or terminal may get
+// as they are (POSIX.1-2024, 2.2.4).
+std::string QuotedByCodes(const std::string& text) {
+  std::string quoted = "$'";
+  for (const char c : text) {
+    const bool as_it_is = c >= ' ' && c <= '~' && c != '\'' && c != '\\';
+    quoted += as_it_is ? std::string(1, c) : fmt::format("\\{:03o}", static_cast<unsigned char>(c));
+  }
+  return quoted + "'";
+}
+
 }  // namespace
 
 Codec<std::uint64_t> WholeNumbers(std::uint64_t low, std::uint64_t high) {
@@ -76,7 +87,7 @@ Codec<double> Doubles(double low, double high) {
           .print = [](const double& value) { return fmt::format("{}", value); }};
 }
 
-Codec<std::string> Texts(std::string values) {
+Codec<std::string> Texts(const std::string& values) {
   return {.values = values,
           .metavar = values,
           .parse = [](const std::string& text) { return std::optional(text); },
@@ -98,7 +109,7 @@ bool IsOneOf(std::string_view word, std::string_view words) {
   return std::find(parts.begin(), parts.end(), word) != parts.end();
 }
 
-Codec<std::string> OneOf(std::string words) {
+Codec<std::string> OneOf(const std::string& words) {
   Codec<std::string> codec = Texts(words);
   codec.parse = [words](const std::string& text) -> std::optional<std::string> {
     return IsOneOf(text, words) ? std::optional(text) : std::nullopt;
@@ -132,6 +143,7 @@ std::string Quoted(const std::string& text) {
     return std::isalnum(c) != 0 || std::strchr("_-+=:,./", c) != nullptr;
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  if (WithoutControlCodes(text) != text) return QuotedByCodes(text);
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";

@@ -138,9 +138,9 @@ Codec<std::int64_t> SignedNumbers(std::int64_t low, std::int64_t high);
 // A finite number in [low, high]; it is printed with as many digits as it takes to read it back.
 Codec<float> Floats(double low, double high);
 Codec<double> Doubles(double low, double high);
-Codec<std::string> Texts(std::string values);
+Codec<std::string> Texts(const std::string& values);
 // One of the words of "a|b|c".
-Codec<std::string> OneOf(std::string words);
+Codec<std::string> OneOf(const std::string& words);
 Codec<bool> Switches();
 
 // The same codec for another type of number.
@@ -287,7 +287,8 @@ struct OptionMaker {
 std::vector<std::string> SplitWords(std::string_view words);
 bool IsOneOf(std::string_view word, std::string_view words);
 
-// `text` as one word of a shell command.
+// `text` as one word of a shell command, in UTF-8 without control codes: bash, ksh and zsh read
+// $'\351', which stands for other bytes.
 std::string Quoted(const std::string& text);
 
 // The words of a command that set `option` to what `request` has, with a blank before each: empty

@@ -2,11 +2,13 @@
 // and the commands in pictures that repeat them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
+#include "base/error.h"
 #include "image/exr_header.h"
 #include "image/image.h"
 #include "tests/support/camera_text.h"
@@ -125,6 +127,32 @@ TEST_F(OptionsCli, TheRecordedCommandRepeatsThePictureOfEveryOption) {
     ASSERT_EQ(second.exit_code, 0) << repeat << "\n" << second.err;
     EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
     EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
+  }
+}
+
+// Headers of pictures and films hold UTF-8, and the name of a file need not be that.
+TEST_F(OptionsCli, TheRecordedCommandFindsAFileWithAnyName) {
+  Put("skywave.sh", "skywave() { '" + ProgramPath() + "' \"$@\" -q -o second.exr; }\n");
+  for (const std::string name : {"caf\xe9 1's.ply", "a\\1\n1\x80.ply", "caf\xc3\xa9's.ply"}) {
+    SCOPED_TRACE(name);
+    Put(name, Bytes("good.ply"));
+    Put("name", name);
+    const std::string render = "render \"$(cat name)\" --env map.exr --size 12x9 --spp 2 -q ";
+    ASSERT_EQ(Run(render + "-o first.exr").exit_code, 0);
+    ASSERT_EQ(Run(render + "--film a.film").exit_code, 0);
+    ASSERT_EQ(Run("merge a.film -q -o merged.exr").exit_code, 0);
+    for (const char* const picture : {"first.exr", "merged.exr"}) {
+      SCOPED_TRACE(picture);
+      const Metadata metadata = ReadExrMetadata(Path(picture));
+      const auto command = std::find_if(metadata.begin(), metadata.end(),
+                                        [](const auto& text) { return text.first == "command"; });
+      ASSERT_NE(command, metadata.end());
+      EXPECT_EQ(WithoutControlCodes(command->second), command->second);
+      Put("again.sh", Bytes("skywave.sh") + command->second);
+      const Result again = Shell("bash again.sh");
+      ASSERT_EQ(again.exit_code, 0) << command->second << again.err;
+      EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << command->second;
+    }
   }
 }
 
