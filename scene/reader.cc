@@ -18,6 +18,7 @@
 #include "scene/gltf/reader.h"
 #include "scene/instances.h"
 #include "scene/materials/texture_files.h"
+#include "scene/named_files.h"
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
@@ -57,9 +58,10 @@ Scene ReadPlyScene(const std::string& path, const ReadOptions& options) {
   if (!mesh.colors.empty()) material.reflectance = glm::vec3(1);
   if (!report.texture.empty() && !mesh.uvs.empty()) {
     TextureFiles textures{&scene};
-    const auto file = std::filesystem::path(path).parent_path() / report.texture;
+    const auto file = FindNamedOrMovedFile(position, report.texture, warnings);
     try {
-      scene.textures.push_back({.image = AddTextureImage(textures, file.string(), Encoding::kSrgb),
+      if (!file) throw InputError::NoSuchFile(position, report.texture);
+      scene.textures.push_back({.image = AddTextureImage(textures, *file, Encoding::kSrgb),
                                 .transform = UpwardTextureTransform({1, 1}, {0, 0})});
       material.color_texture = 0;
       material.reflectance = glm::vec3(1);

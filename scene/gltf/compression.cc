@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
@@ -18,7 +23,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-constexpr const char* kMeshopt = "EXT_meshopt_compression";
+// The second one adds a filter, and a version of the codec of attributes.
+constexpr const char* kMeshopt[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 constexpr std::size_t kMostViewBytes = std::size_t{1} << 31;  // of a view, decompressed
 constexpr int kUnsignedInt = 5125, kFloat = 5126;
 
@@ -51,6 +57,29 @@ std::string_view BytesOf(const GltfSource& source, const json& range) {
   return std::string_view(bytes).substr(offset, length);
 }
 
+// The filter COLOR (KHR_meshopt_compression, Appendix B, filter 4): luma, two signed differences of
+// colours and alpha have K bits, where the highest bit of alpha says K, and become normalized
+// integers.
+template <class Integer>
+void DecodeColors(std::string& bytes) {
+  constexpr int kMost = std::numeric_limits<Integer>::max();
+  const auto signed_of = [](int bits) { return bits > kMost / 2 ? bits - kMost - 1 : bits; };
+  Integer c[4];
+  for (std::size_t at = 0; at + sizeof c <= bytes.size(); at += sizeof c) {
+    std::memcpy(c, bytes.data() + at, sizeof c);
+    const int most = std::max((1 << std::bit_width(c[3])) - 1, 1);
+    const int y = c[0], orange = signed_of(c[1]), green = signed_of(c[2]);
+    const int alpha = c[3] & (most >> 1);
+    const int colors[] = {y + orange - green, y + green, y - orange - green,
+                          alpha << 1 | (alpha & 1)};
+    for (int i = 0; i < 4; ++i) {
+      const float scaled = float(colors[i]) * (float(kMost) / float(most));
+      c[i] = Integer(std::clamp(std::lround(scaled), 0l, long{kMost}));
+    }
+    std::memcpy(bytes.data() + at, c, sizeof c);
+  }
+}
+
 std::string DecodeMeshopt(std::string_view bytes, const json& extension) {
   const std::size_t stride = extension.at("byteStride").get<std::size_t>();
   const std::size_t count = extension.at("count").get<std::size_t>();
@@ -74,6 +103,9 @@ std::string DecodeMeshopt(std::string_view bytes, const json& extension) {
   } else {
     throw Undecodable(fmt::format("there is no mode {}", mode));
   }
+  if (failed != 0 && MESHOPTIMIZER_VERSION < 230 && vertices && bytes.starts_with('\xa1')) {
+    throw Undecodable("it has version 1 of the codec, which needs libmeshoptimizer 0.23");
+  }
   if (failed != 0) throw Undecodable("it is broken");
   if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) {
     meshopt_decodeFilterOct(out.data(), count, stride);
@@ -81,6 +113,10 @@ std::string DecodeMeshopt(std::string_view bytes, const json& extension) {
     meshopt_decodeFilterQuat(out.data(), count, stride);
   } else if (filter == "EXPONENTIAL") {
     meshopt_decodeFilterExp(out.data(), count, stride);
+  } else if (filter == "COLOR" && stride == 4) {
+    DecodeColors<std::uint8_t>(out);
+  } else if (filter == "COLOR" && stride == 8) {
+    DecodeColors<std::uint16_t>(out);
   } else if (filter != "NONE") {
     throw Undecodable(fmt::format("there is no filter {} of {} bytes", filter, stride));
   }
@@ -196,7 +232,8 @@ void DecodeMeshoptViews(GltfSource& source, const std::string& path, Warnings& w
   if (!source.json.contains("bufferViews")) return;
   std::size_t index = 0;
   for (json& view : source.json["bufferViews"]) {
-    const json* const extension = FindExtension(view, kMeshopt);
+    const char* const name = kMeshopt[FindExtension(view, kMeshopt[1]) != nullptr];
+    const json* const extension = FindExtension(view, name);
     const auto problem = ProblemOf([&] {
       if (extension == nullptr) return;
       std::string bytes = DecodeMeshopt(BytesOf(source, *extension), *extension);
@@ -208,7 +245,7 @@ void DecodeMeshoptViews(GltfSource& source, const std::string& path, Warnings& w
       AddWarning(warnings, InputPosition::File(path),
                  fmt::format("buffer view {} cannot be decompressed ({}): {}: it is as if it were "
                              "not there",
-                             index, kMeshopt, *problem));
+                             index, name, *problem));
     }
     ++index;
   }

@@ -1,5 +1,6 @@
 // Decompresses the geometry of a glTF document: KHR_draco_mesh_compression by libdraco, and
-// EXT_meshopt_compression by libmeshoptimizer. Accessors then find their numbers in new buffers.
+// EXT_ and KHR_meshopt_compression by libmeshoptimizer. Accessors then find their numbers in new
+// buffers.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -29,10 +29,11 @@ constexpr std::size_t kMostFileBytes = std::size_t{2} << 30;  // of a file
 
 // The extensions that a file may require; those of materials (KHR_materials_*) are named with the
 // materials that have them, and never refused; textures of KHR_texture_basisu are left out by name.
-constexpr std::string_view kRequirable[] = {
-    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
-    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_mesh_quantization",
-    "KHR_node_visibility",        "KHR_texture_basisu",      "KHR_texture_transform"};
+constexpr std::string_view kRequirable[] = {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+                                            "EXT_texture_webp",        "KHR_draco_mesh_compression",
+                                            "KHR_lights_punctual",     "KHR_mesh_quantization",
+                                            "KHR_meshopt_compression", "KHR_node_visibility",
+                                            "KHR_texture_basisu",      "KHR_texture_transform"};
 
 // ---- The container ----
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 namespace skywave {
 namespace {
@@ -28,6 +29,7 @@ struct IndexedTable {
 struct Tables {
   IndexedTable positions{"vertex"}, uvs{"texture vertex"}, normals{"normal"};
   std::unordered_set<std::int64_t> lost;  // positions that are no place, counted from 1
+  bool rewrite = false;                   // corners have indices that mean nothing
 };
 
 // Makes numbers 0 that are not finite: "nan", "inf", what a float cannot hold, and "1.#QNAN" as old
@@ -54,7 +56,7 @@ std::optional<std::string> CheckIndex(const ObjLines& lines, std::string_view te
   if (error != std::errc() || stop != text.data() + text.size()) {
     throw InputError(PositionOf(lines), fmt::format("'{}' is no index", text.substr(0, 40)));
   }
-  if (index == 0) return "index 0, and OBJ counts from 1";
+  if (index == 0) return fmt::format("{} index 0, and OBJ counts from 1", table.name);
   if (index < -table.count) {
     return fmt::format("{} index {} with {} before it", table.name, index, table.count);
   }
@@ -82,16 +84,25 @@ void LeaveOut(ObjLines& lines, const std::vector<std::string_view>& words, const
 }
 
 // Returns whether all corners of a face, of points or of a line can be there; others are left out.
+// A corner can be there without what its other indices mean.
 bool CheckCorners(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
                   Warnings& warnings) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const Corner corner(words[i]);
-    auto wrong = CheckIndex(lines, corner.position, tables.positions);
-    if (!wrong && !corner.uv.empty()) wrong = CheckIndex(lines, corner.uv, tables.uvs);
-    if (!wrong && !corner.normal.empty()) wrong = CheckIndex(lines, corner.normal, tables.normals);
-    if (!wrong) continue;
-    LeaveOut(lines, words, fmt::format("'{}' with {}", words[0], *wrong), warnings);
-    return false;
+    if (const auto wrong = CheckIndex(lines, corner.position, tables.positions)) {
+      LeaveOut(lines, words, fmt::format("'{}' with {}", words[0], *wrong), warnings);
+      return false;
+    }
+    const std::pair<std::string_view, IndexedTable*> others[] = {{corner.uv, &tables.uvs},
+                                                                 {corner.normal, &tables.normals}};
+    for (const auto& [index, table] : others) {
+      if (index.empty()) continue;
+      const auto wrong = CheckIndex(lines, index, *table);
+      if (!wrong) continue;
+      tables.rewrite = true;
+      AddWarning(warnings, PositionOf(lines),
+                 fmt::format("'{}' with {}: ignored", words[0], *wrong));
+    }
   }
   return true;
 }
@@ -132,18 +143,27 @@ void ReadPointsOrLine(ObjLines& lines, const std::vector<std::string_view>& word
   }
 }
 
-// Writes the corners of all faces as tinyobjloader reads them: without indices of elements that the
-// file does not have, and without slashes that nothing follows.
+// Returns whether an index means one of `count` elements, of which `before` are before it.
+bool IsThere(std::string_view text, std::int64_t before, std::int64_t count) {
+  std::int64_t index = 0;
+  std::from_chars(text.data(), text.data() + text.size(), index);
+  return index != 0 && -index <= before && index <= count;
+}
+
+// Writes the corners of all faces as tinyobjloader reads them: without texture vertices and normals
+// that the file does not have, and without slashes that nothing follows.
 void RewriteCorners(ObjLines lines, const Tables& tables, std::string& text) {
   lines.next = lines.joins_read = 0, lines.next_line = 1;
   std::vector<std::string_view> words;
+  std::int64_t uvs = 0, normals = 0;
   while (NextStatement(lines, words)) {
+    uvs += words[0] == "vt", normals += words[0] == "vn";
     if (words[0] != "f") continue;
     for (std::size_t i = 1; i < words.size(); ++i) {
       const Corner corner(words[i]);
       std::string written(corner.position);
-      if (tables.uvs.count > 0 && !corner.uv.empty()) written += "/" + std::string(corner.uv);
-      if (tables.normals.count > 0 && !corner.normal.empty()) {
+      if (IsThere(corner.uv, uvs, tables.uvs.count)) written += "/" + std::string(corner.uv);
+      if (IsThere(corner.normal, normals, tables.normals.count)) {
         written +=
             (written.size() > corner.position.size() ? "/" : "//") + std::string(corner.normal);
       }
@@ -153,20 +173,15 @@ void RewriteCorners(ObjLines lines, const Tables& tables, std::string& text) {
   }
 }
 
-// Indices of elements of which the file has none mean nothing.
-void ForgetUnless(IndexedTable& table, const ObjLines& lines, Warnings& warnings) {
-  if (table.count > 0 || table.greatest == 0) return;
-  AddWarning(
-      warnings, InputPosition::Line(lines.path, table.greatest_line),
-      fmt::format("faces have {} indices, and the file has none of these: ignored", table.name));
-  table.greatest = 0;
-}
+bool IsUsedBeyondItsEnd(const IndexedTable& table) { return table.greatest > table.count; }
 
-// Returns whether an index of a corner, where it has one, is beyond the elements of the file.
-bool IsBeyond(std::string_view text, const IndexedTable& table) {
-  std::int64_t index = 0;
-  std::from_chars(text.data(), text.data() + text.size(), index);
-  return table.greatest > 0 && index > table.count;
+// Names what faces ask of a table beyond its end.
+void WarnOfMissing(const IndexedTable& table, const ObjLines& lines, Warnings& warnings) {
+  const std::string has = table.count == 0
+                              ? "none of these: ignored"
+                              : fmt::format("{} of these: those beyond are ignored", table.count);
+  AddWarning(warnings, InputPosition::Line(lines.path, table.greatest_line),
+             fmt::format("faces have {} indices, and the file has {}", table.name, has));
 }
 
 // Returns the number of the vertex that an index means, with `count` vertices before it.
@@ -200,7 +215,7 @@ void LeaveOutLost(ObjLines& lines, const Tables& tables, ObjStatements& statemen
                 [&](const auto& line) { return lost(line.x) || lost(line.y); });
 }
 
-// Leaves out all faces, points and lines of elements that the file does not have.
+// Leaves out all faces, points and lines of vertices that the file does not have.
 void LeaveOutBeyond(ObjLines& lines, const Tables& tables, ObjStatements& statements,
                     Warnings& warnings) {
   std::vector<std::string_view> words;
@@ -208,12 +223,10 @@ void LeaveOutBeyond(ObjLines& lines, const Tables& tables, ObjStatements& statem
   while (NextStatement(lines, words)) {
     if (words[0] != "f") continue;
     const bool beyond = std::any_of(words.begin() + 1, words.end(), [&](std::string_view word) {
-      const Corner corner(word);
-      return IsBeyond(corner.position, tables.positions) || IsBeyond(corner.uv, tables.uvs) ||
-             IsBeyond(corner.normal, tables.normals);
+      return VertexOf(Corner(word).position, 0) > tables.positions.count;
     });
     if (!beyond) continue;
-    LeaveOut(lines, words, "a face with indices beyond the elements of the file", warnings);
+    LeaveOut(lines, words, "a face with indices beyond the vertices of the file", warnings);
     --statements.faces;
   }
   const auto beyond = [&](std::uint32_t vertex) { return vertex >= tables.positions.count; };
@@ -233,7 +246,6 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
   ObjStatements statements;
   Tables tables;
   std::unordered_set<std::string> seen;
-  bool rewrite = false;  // corners have to be rewritten
   std::vector<std::string_view> words;
   while (NextStatement(lines, words)) {
     const std::string_view word = words[0];
@@ -252,7 +264,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
       if (not_finite) tables.lost.insert(tables.positions.count);
     } else if (word == "f") {
       if (CheckFace(lines, words, tables, warnings)) ++statements.faces;
-      for (const std::string_view corner : words) rewrite = rewrite || corner.ends_with('/');
+      for (const std::string_view corner : words) tables.rewrite |= corner.ends_with('/');
     } else if (word == "vn") {
       CheckObjNumbers(lines, words, 3, 3);
       ++tables.normals.count;
@@ -284,16 +296,14 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
                  fmt::format("'{}' is not supported: left out", word.substr(0, 40)));
     }
   }
-  for (IndexedTable* const table : {&tables.uvs, &tables.normals}) {
-    rewrite = rewrite || (table->count == 0 && table->greatest > 0);
-    ForgetUnless(*table, lines, warnings);
+  for (const IndexedTable* const table : {&tables.uvs, &tables.normals}) {
+    if (!IsUsedBeyondItsEnd(*table)) continue;
+    tables.rewrite = true;
+    WarnOfMissing(*table, lines, warnings);
   }
-  if (rewrite) RewriteCorners(lines, tables, lines.text);
+  if (tables.rewrite) RewriteCorners(lines, tables, lines.text);
   if (!tables.lost.empty()) LeaveOutLost(lines, tables, statements);
-  const auto beyond = [](const IndexedTable& table) { return table.greatest > table.count; };
-  if (beyond(tables.positions) || beyond(tables.uvs) || beyond(tables.normals)) {
-    LeaveOutBeyond(lines, tables, statements, warnings);
-  }
+  if (IsUsedBeyondItsEnd(tables.positions)) LeaveOutBeyond(lines, tables, statements, warnings);
   return statements;
 }
 

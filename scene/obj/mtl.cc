@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,6 +17,7 @@
 #include "base/files.h"
 #include "scene/materials/metals.h"
 #include "scene/materials/texture_baking.h"
+#include "scene/named_files.h"
 #include "scene/obj/lines.h"
 
 namespace skywave {
@@ -159,14 +159,11 @@ Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
 }
 
 // Returns the path of the file that the statement `word` names, or nothing.
-std::optional<std::string> FindMap(std::string name, const Entry& entry, std::string_view word,
-                                   Warnings& warnings) {
+std::optional<std::string> FindMap(const std::string& name, const Entry& entry,
+                                   std::string_view word, Warnings& warnings) {
   if (name.empty()) return std::nullopt;
-  std::replace(name.begin(), name.end(), '\\', '/');
-  const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored)) return path.string();
   const InputPosition at = At(entry, word);
+  if (auto path = FindNamedOrMovedFile(at, name, warnings)) return path;
   AddMissing(warnings, at, word, InputError::NoSuchFile(at, name), "the plain value is used");
   return std::nullopt;
 }
@@ -200,10 +197,11 @@ std::optional<std::uint32_t> TryImage(const std::string& path, Encoding encoding
 }
 
 // Returns the texture of map_Kd or map_Ke, or nothing.
-std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
-                                      const Entry& entry, std::string_view word,
-                                      TextureFiles& textures, Warnings& warnings) {
-  const auto path = FindMap(std::move(name), entry, word, warnings);
+std::optional<std::uint32_t> ColorMap(const std::string& name,
+                                      const tinyobj::texture_option_t& option, const Entry& entry,
+                                      std::string_view word, TextureFiles& textures,
+                                      Warnings& warnings) {
+  const auto path = FindMap(name, entry, word, warnings);
   if (!path) return std::nullopt;
   const auto image = TryImage(*path, Encoding::kSrgb, entry, word, textures, warnings);
   if (!image) return std::nullopt;

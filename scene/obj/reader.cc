@@ -4,14 +4,16 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/named_files.h"
 #include "scene/obj/check.h"
 #include "scene/obj/meshes.h"
 #include "scene/obj/mtl.h"
@@ -19,33 +21,54 @@
 namespace skywave {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr std::size_t kMostWordsOfAName = 8;  // of one of several files of a statement
 
-// Returns the files of one mtllib: one name with spaces, before which there may be a backslash, or
-// several names. Windows programs write backslashes for slashes.
+// Returns the file of a library; before the spaces of its name there may be backslashes.
+std::optional<std::string> FindLibrary(const InputPosition& at, std::string name) {
+  if (auto file = FindNamedFile(at, name)) return file;
+  for (std::size_t i; (i = name.find("\\ ")) != name.npos;) name.erase(i, 1);
+  return FindNamedFile(at, name);
+}
+
+// The first of several names between spaces, of which each may have some.
+struct FirstName {
+  std::optional<std::string> file;  // there may be none
+  std::size_t words = 1;
+};
+
+// Takes the longest name that a file has, or else the shortest of one that was moved.
+FirstName FindFirst(std::span<const std::string> words, const InputPosition& at,
+                    Warnings& warnings) {
+  const auto name = [&](std::size_t count) {
+    return fmt::format("{}", fmt::join(words.first(count), " "));
+  };
+  const std::size_t most = std::min(words.size(), kMostWordsOfAName);
+  for (std::size_t count = most; count > 0; --count) {
+    if (auto file = FindLibrary(at, name(count))) return {std::move(file), count};
+  }
+  for (std::size_t count = 1; count <= most; ++count) {
+    if (auto file = FindMovedFile(at, name(count), warnings)) return {std::move(file), count};
+  }
+  return {};
+}
+
+// Returns the files of one mtllib, which has one name or several.
 std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path,
                                           Warnings& warnings) {
-  const fs::path folder = fs::path(path).parent_path();
-  std::error_code ignored;
-  const auto find = [&](std::string name) -> std::string {
-    if (fs::exists(folder / name, ignored)) return (folder / name).string();
-    std::string with_blanks = name;
-    for (std::size_t i; (i = with_blanks.find("\\ ")) != name.npos;) with_blanks.erase(i, 1);
-    if (fs::exists(folder / with_blanks, ignored)) return (folder / with_blanks).string();
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return fs::exists(folder / name, ignored) ? (folder / name).string() : "";
-  };
-  if (const std::string whole = find(library.name); !whole.empty()) return {whole};
+  const auto at = InputPosition::Line(path, library.line);
+  if (auto whole = FindLibrary(at, library.name)) return {*std::move(whole)};
+  std::istringstream text(library.name);
+  const std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
   std::vector<std::string> files;
-  std::istringstream names(library.name);
-  for (std::string name; names >> name;) {
-    if (std::string file = find(name); !file.empty()) {
-      files.push_back(std::move(file));
-      continue;
+  for (std::span<const std::string> rest = words; !rest.empty();) {
+    FirstName first = FindFirst(rest, at, warnings);
+    if (first.file) {
+      files.push_back(*std::move(first.file));
+    } else {
+      AddMissing(warnings, at, "mtllib", InputError::NoSuchFile(at, rest.front()),
+                 "its materials are grey Lambert");
     }
-    const auto at = InputPosition::Line(path, library.line);
-    AddMissing(warnings, at, "mtllib", InputError::NoSuchFile(at, name),
-               "its materials are grey Lambert");
+    rest = rest.subspan(first.words);
   }
   return files;
 }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "scene/gltf/reader.h"
+#include "tests/support/expect_near.h"
 #include "tests/support/gltf_document.h"
 
 namespace skywave {
@@ -104,7 +105,7 @@ TEST(GltfCompression, BrokenDracoIsLeftOut) {
 
 // Returns a triangle whose positions and indices are compressed by meshopt. Their uncompressed
 // buffer does not exist.
-GltfDocument MeshoptTriangle() {
+GltfDocument MeshoptTriangle(const std::string& name = "EXT_meshopt_compression") {
   const std::vector<float> positions = {0, 0, 0, 2, 0, 0, 0, 2, 0};
   const std::vector<std::uint32_t> indices = {0, 1, 2};
   std::vector<std::uint8_t> vertices(meshopt_encodeVertexBufferBound(3, 12));
@@ -118,12 +119,10 @@ GltfDocument MeshoptTriangle() {
     json& whole = document.json["bufferViews"][std::size_t(view)];
     json extension = whole;
     extension["byteStride"] = stride, extension["count"] = 3, extension["mode"] = mode;
-    whole = {{"buffer", 0},
-             {"byteLength", 3 * stride},
-             {"extensions", {{"EXT_meshopt_compression", extension}}}};
+    whole = {{"buffer", 0}, {"byteLength", 3 * stride}, {"extensions", {{name, extension}}}};
   };
   compress(views[0], 12, "ATTRIBUTES"), compress(views[1], 4, "TRIANGLES");
-  document.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  document.json["extensionsRequired"] = {name};
   document.json["accessors"] = {
       {{"bufferView", views[0]}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}},
       {{"bufferView", views[1]}, {"componentType", 5125}, {"count", 3}, {"type", "SCALAR"}}};
@@ -135,14 +134,69 @@ GltfDocument MeshoptTriangle() {
 }
 
 TEST(GltfCompression, MeshoptIsDecoded) {
-  const Scene scene = Read(MeshoptTriangle());
-  EXPECT_TRUE(scene.warnings.empty());
-  const Mesh& mesh = scene.meshes.at(0);
-  EXPECT_EQ(mesh.positions,
-            (std::vector<glm::vec3>{glm::vec3(0), glm::vec3(2, 0, 0), glm::vec3(0, 2, 0)}));
-  ASSERT_EQ(mesh.triangles.size(), 1u);
-  const glm::uvec3 t = mesh.triangles[0];
-  EXPECT_EQ(t.x + 4 * t.y + 16 * t.z, 36u) << "in any turn: 0 1 2, and not 0 2 1";
+  for (const char* const name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    SCOPED_TRACE(name);
+    const Scene scene = Read(MeshoptTriangle(name));
+    EXPECT_TRUE(scene.warnings.empty());
+    const Mesh& mesh = scene.meshes.at(0);
+    EXPECT_EQ(mesh.positions,
+              (std::vector<glm::vec3>{glm::vec3(0), glm::vec3(2, 0, 0), glm::vec3(0, 2, 0)}));
+    ASSERT_EQ(mesh.triangles.size(), 1u);
+    const glm::uvec3 t = mesh.triangles[0];
+    EXPECT_EQ(t.x + 4 * t.y + 16 * t.z, 36u) << "in any turn: 0 1 2, and not 0 2 1";
+  }
+}
+
+// Luma, differences and alpha with 8, 4 and 1 bits, worked out by hand (KHR_meshopt_compression,
+// Appendix B, filter 4).
+TEST(GltfCompression, MeshoptColorsAreRgb) {
+  const auto expect = [](const auto& encoded, int component, const glm::vec3(&rgb)[3]) {
+    const char* const name = "KHR_meshopt_compression";
+    GltfDocument document = MeshoptTriangle(name);
+    const std::size_t stride = sizeof encoded / 3;
+    std::vector<std::uint8_t> bytes(meshopt_encodeVertexBufferBound(3, stride));
+    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), encoded, 3, stride));
+    const int view = document.AddView(bytes);
+    json& whole = document.json["bufferViews"][std::size_t(view)];
+    json extension = whole;
+    extension["byteStride"] = stride, extension["count"] = 3, extension["mode"] = "ATTRIBUTES";
+    extension["filter"] = "COLOR";
+    whole["extensions"][name] = extension;
+    whole["byteLength"] = 3 * stride, whole["byteStride"] = stride;
+    document.json["accessors"].push_back({{"bufferView", view},
+                                          {"componentType", component},
+                                          {"normalized", true},
+                                          {"count", 3},
+                                          {"type", "VEC4"}});
+    document.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;
+    const Mesh mesh = Read(document).meshes.at(0);
+    ASSERT_EQ(mesh.colors.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) ExpectNear(glm::vec3(mesh.colors[i]), rgb[i], 1e-6f);
+  };
+  const std::uint8_t eight[] = {110, 80, 246, 0xff, 8, 4, 253, 0b1010, 1, 0, 0, 1};
+  expect(eight, 5121,
+         {glm::vec3(200, 100, 40) / 255.0f, glm::vec3(15, 5, 7) / 15.0f, glm::vec3(1)});
+  const std::uint16_t sixteen[] = {110, 80, 65526, 0xff, 8, 4, 65533, 0b1010, 1, 0, 0, 1};
+  expect(sixteen, 5123,
+         {glm::vec3(200, 100, 40) / 255.0f, glm::vec3(15, 5, 7) / 15.0f, glm::vec3(1)});
+}
+
+// What the library does not know yet is not called broken.
+TEST(GltfCompression, ANewerCodecOfMeshoptIsNamed) {
+  GltfDocument document = MeshoptTriangle("KHR_meshopt_compression");
+  const json& view = document.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
+  document.bytes[view["byteOffset"].get<std::size_t>()] = '\xa1';
+  const auto all = [&] {
+    try {
+      std::string text;
+      for (const std::string& line : Read(document).warnings) text += line;
+      return text;
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(all().find("version 1 of the codec") != std::string::npos, MESHOPTIMIZER_VERSION < 230)
+      << all();
 }
 
 // Octahedral normals of eight bits are unit vectors after their filter (EXT_meshopt_compression).

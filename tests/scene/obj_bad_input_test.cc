@@ -78,12 +78,10 @@ TEST(BadObj, IsRefusedWithFileLineAndReason) {
 // Faces, points and lines of elements that the file does not have are left out, and no others.
 TEST(BadObj, WhatNamesMissingElementsIsLeftOut) {
   const BadText cases[] = {
-      {kTriangle + "f 1 2 4\n", "t.obj:4", "a face with indices beyond the elements of the file"},
+      {kTriangle + "f 1 2 4\n", "t.obj:4", "a face with indices beyond the vertices of the file"},
       {kTriangle + "\n# c\nf 1 2 \\\n 9\n", "t.obj:6", "a face with indices beyond"},
       {kTriangle + "f 1 2 -4\n", "t.obj:4", "'f' with vertex index -4 with 3 before it"},
-      {kTriangle + "f 0 1 2\n", "t.obj:4", "'f' with index 0, and OBJ counts from 1"},
-      {kTriangle + "vt 0 0\nf 1/1 2/2 3/1\n", "t.obj:5", "a face with indices beyond"},
-      {kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n", "t.obj:4", "a face with indices beyond"},
+      {kTriangle + "f 0 1 2\n", "t.obj:4", "'f' with vertex index 0, and OBJ counts from 1"},
       {kTriangle + "p 1 9\n", "t.obj:4", "points or lines of vertices that the file does not have"},
       {kTriangle + "l 1 2 9\n", "t.obj:4", "points or lines of vertices"},
       {kTriangle + "l 1 -4\n", "t.obj:4", "'l' with vertex index -4 with 3 before it"},
@@ -97,6 +95,42 @@ TEST(BadObj, WhatNamesMissingElementsIsLeftOut) {
     EXPECT_TRUE(scene.warnings[0].ends_with(": left out")) << scene.warnings[0];
     ASSERT_FALSE(scene.meshes.empty());
     EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
+  }
+}
+
+// What a corner has besides its vertex is not needed for a face: the middle corner loses it here.
+TEST(BadObj, FacesAreThereWithoutTheTextureVerticesAndNormalsThatAreNot) {
+  const glm::vec3 given(0, 0.6f, 0.8f), computed(0, 0, 1);
+  struct Lost {
+    const char *face, *warning;
+    glm::vec3 normal;
+  };
+  const Lost cases[] = {
+      {"f 1/1/1 2/3/1 3/2/1",
+       "faces have texture vertex indices, and the file has 2 of these: those beyond are ignored",
+       given},
+      {"f 1/1/1 2//2 3/2/1",
+       "faces have normal indices, and the file has 1 of these: those beyond are ignored",
+       computed},
+      {"f 1/1 2/0 3/2", "'f' with texture vertex index 0, and OBJ counts from 1: ignored",
+       computed},
+      {"f 1/-2/1 2/-3/1 3/-1/1", "'f' with texture vertex index -3 with 2 before it: ignored",
+       given},
+      {"f 1/1/1 2//-2 3/2/1", "'f' with normal index -2 with 1 before it: ignored", computed},
+  };
+  for (const Lost& lost : cases) {
+    SCOPED_TRACE(lost.face);
+    const Scene scene =
+        ParseObj(kTriangle + "vt 0.25 0.5\nvt 0.75 0.5\nvn 0 0.6 0.8\n" + lost.face, "t.obj");
+    EXPECT_EQ(scene.warnings, std::vector{"t.obj:7: " + std::string(lost.warning)});
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    const Mesh& mesh = scene.meshes[0];
+    ASSERT_EQ(mesh.positions.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::vec3 at = mesh.positions[i];
+      EXPECT_EQ(mesh.uvs[i].x, at.x > 0 ? 0.0f : at.y > 0 ? 0.75f : 0.25f);
+      EXPECT_NEAR(glm::dot(mesh.normals.at(i), lost.normal), 1, 1e-6);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "image/image.h"
 #include "scene/obj/mtl.h"
 #include "scene/reader.h"
 #include "scene/shapes/smooth_normals.h"
@@ -337,6 +338,29 @@ TEST(Mtl, UnsupportedStatementsAreReportedOnce) {
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
             std::vector<std::string>{"t.mtl:3: 'frob' is not a statement of MTL: ignored"});
+}
+
+// Models are copied into one folder and still name the folders of their makers.
+TEST(Obj, FilesOfOtherFoldersAreFoundBesideTheOneThatNamesThem) {
+  const TemporaryFolder folder;
+  folder.Write("red one.mtl", "newmtl red\nKd 1 0 0\n");
+  folder.Write("green one.mtl", "newmtl green\nKd 0 1 0\nmap_d C:\\models\\no.png\n");
+  Image blue(1, 1);
+  blue.rgb = {0, 0, 1};
+  WriteExr(folder.Path("blue.exr"), blue);
+  folder.Write("c.mtl", "newmtl blue\nmap_Kd C:\\models\\blue.exr\n");
+  const Scene scene = ReadScene(folder.Write(
+      "m.obj", std::string(kSquare) + "vt 0 0\nmtllib red one.mtl green one.mtl /models/c.mtl\n"
+                                      "usemtl red\nf 1 2 3\nusemtl green\nf 1 3 4\n"
+                                      "usemtl blue\nf 1/1 2/1 4/1\n"));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("\"C:\\models\\no.png\""), std::string::npos);
+  std::string notes;
+  for (const std::string& note : scene.notes) notes += note;
+  EXPECT_NE(notes.find("no file \"/models/c.mtl\""), std::string::npos) << notes;
+  EXPECT_NE(notes.find("no file \"C:/models/blue.exr\""), std::string::npos) << notes;
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.images.size(), 1u);
 }
 
 TEST(Obj, LibrariesOfOneStatementAndOfWindows) {
