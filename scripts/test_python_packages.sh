@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Tests scenes from the meshes of other Python packages, and mattes by another decoder, with the real
 # packages, which it installs from PyPI into a virtual environment of its own (2.4 GB); PYTHON may
-# name another Python. The orders of imports are those of the wheel, where scripts/build_wheels.sh has
-# made one: its libraries are what could meet those of the others.
+# name another Python. The orders of imports are tried with the wheel, where scripts/build_wheels.sh
+# has made one, because its libraries are those that could meet the libraries of the others.
 #   scripts/test_python_packages.sh            after scripts/build.sh release
 set -euo pipefail
 cd "$(dirname "$0")/.."

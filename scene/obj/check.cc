@@ -83,8 +83,8 @@ void LeaveOut(ObjLines& lines, const std::vector<std::string_view>& words, const
   BlankOut(lines, WholeStatement(words));
 }
 
-// Returns whether all corners of a face, of points or of a line can be there; others are left out.
-// A corner can be there without what its other indices mean.
+// Returns whether the vertices of a face, of points or of a line can be there; others are left out.
+// A wrong index of a texture vertex or a normal is ignored, with a warning.
 bool CheckCorners(ObjLines& lines, const std::vector<std::string_view>& words, Tables& tables,
                   Warnings& warnings) {
   for (std::size_t i = 1; i < words.size(); ++i) {

@@ -215,6 +215,12 @@ TEST(ForeignPly, TexturesOfMeshlabAreRead) {
   EXPECT_EQ(mesh.uvs[mesh.triangles[1].x], glm::vec2(1, 0));
   EXPECT_EQ(mesh.positions[mesh.triangles[1].x], glm::vec3(1, 0, 0));
   ASSERT_TRUE(scene.materials.at(0).color_texture);
+  // The file was moved, and the texture beside it.
+  std::string moved = text;
+  moved.replace(moved.find("t.png"), 5, "C:\\scans\\t.png");
+  const Scene beside = ReadScene(folder.Write("c.ply", moved));
+  EXPECT_TRUE(beside.warnings.empty());
+  EXPECT_TRUE(beside.materials.at(0).color_texture);
   std::string missing = text;
   missing.replace(missing.find("t.png"), 5, "u.png");
   const Scene without = ReadScene(folder.Write("b.ply", missing));

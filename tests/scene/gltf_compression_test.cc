@@ -147,28 +147,45 @@ TEST(GltfCompression, MeshoptIsDecoded) {
   }
 }
 
+// Gives the triangle an attribute of three elements that are compressed with a filter.
+void AddFiltered(GltfDocument& document, const char* attribute, const json& accessor,
+                 const std::string& extension_name, const char* filter, const void* elements,
+                 std::size_t stride) {
+  std::vector<std::uint8_t> bytes(meshopt_encodeVertexBufferBound(3, stride));
+  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), elements, 3, stride));
+  const int view = document.AddView(bytes);
+  json& whole = document.json["bufferViews"][std::size_t(view)];
+  json extension = whole;
+  extension["byteStride"] = stride, extension["count"] = 3, extension["mode"] = "ATTRIBUTES";
+  extension["filter"] = filter;
+  whole["extensions"][extension_name] = extension;
+  whole["byteLength"] = 3 * stride, whole["byteStride"] = stride;
+  json& accessors = document.json["accessors"];
+  document.json["meshes"][0]["primitives"][0]["attributes"][attribute] = accessors.size();
+  accessors.push_back(accessor);
+  accessors.back()["bufferView"] = view, accessors.back()["count"] = 3;
+}
+
+// Returns what reading says, warnings or the error.
+std::string Said(const GltfDocument& document) {
+  try {
+    std::string all;
+    for (const std::string& line : Read(document).warnings) all += line;
+    return all;
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 // Luma, differences and alpha with 8, 4 and 1 bits, worked out by hand (KHR_meshopt_compression,
 // Appendix B, filter 4).
 TEST(GltfCompression, MeshoptColorsAreRgb) {
   const auto expect = [](const auto& encoded, int component, const glm::vec3(&rgb)[3]) {
     const char* const name = "KHR_meshopt_compression";
     GltfDocument document = MeshoptTriangle(name);
-    const std::size_t stride = sizeof encoded / 3;
-    std::vector<std::uint8_t> bytes(meshopt_encodeVertexBufferBound(3, stride));
-    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), encoded, 3, stride));
-    const int view = document.AddView(bytes);
-    json& whole = document.json["bufferViews"][std::size_t(view)];
-    json extension = whole;
-    extension["byteStride"] = stride, extension["count"] = 3, extension["mode"] = "ATTRIBUTES";
-    extension["filter"] = "COLOR";
-    whole["extensions"][name] = extension;
-    whole["byteLength"] = 3 * stride, whole["byteStride"] = stride;
-    document.json["accessors"].push_back({{"bufferView", view},
-                                          {"componentType", component},
-                                          {"normalized", true},
-                                          {"count", 3},
-                                          {"type", "VEC4"}});
-    document.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2;
+    AddFiltered(document, "COLOR_0",
+                {{"componentType", component}, {"normalized", true}, {"type", "VEC4"}}, name,
+                "COLOR", encoded, sizeof encoded / 3);
     const Mesh mesh = Read(document).meshes.at(0);
     ASSERT_EQ(mesh.colors.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) ExpectNear(glm::vec3(mesh.colors[i]), rgb[i], 1e-6f);
@@ -186,17 +203,9 @@ TEST(GltfCompression, ANewerCodecOfMeshoptIsNamed) {
   GltfDocument document = MeshoptTriangle("KHR_meshopt_compression");
   const json& view = document.json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"];
   document.bytes[view["byteOffset"].get<std::size_t>()] = '\xa1';
-  const auto all = [&] {
-    try {
-      std::string text;
-      for (const std::string& line : Read(document).warnings) text += line;
-      return text;
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-  };
-  EXPECT_EQ(all().find("version 1 of the codec") != std::string::npos, MESHOPTIMIZER_VERSION < 230)
-      << all();
+  const std::string said = Said(document);
+  EXPECT_EQ(said.find("version 1 of the codec") != std::string::npos, MESHOPTIMIZER_VERSION < 230)
+      << said;
 }
 
 // Octahedral normals of eight bits are unit vectors after their filter (EXT_meshopt_compression).
@@ -205,21 +214,8 @@ TEST(GltfCompression, MeshoptFiltersAreApplied) {
   const std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0};
   std::vector<std::uint8_t> octahedral(4 * 3);
   meshopt_encodeFilterOct(octahedral.data(), 3, 4, 8, normals.data());
-  std::vector<std::uint8_t> bytes(meshopt_encodeVertexBufferBound(3, 4));
-  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), octahedral.data(), 3, 4));
-  const int view = document.AddView(bytes);
-  json& whole = document.json["bufferViews"][std::size_t(view)];
-  json extension = whole;
-  extension["byteStride"] = 4, extension["count"] = 3, extension["mode"] = "ATTRIBUTES";
-  extension["filter"] = "OCTAHEDRAL";
-  whole["extensions"]["EXT_meshopt_compression"] = extension;
-  whole["byteLength"] = 12, whole["byteStride"] = 4;
-  document.json["accessors"].push_back({{"bufferView", view},
-                                        {"componentType", 5120},
-                                        {"normalized", true},
-                                        {"count", 3},
-                                        {"type", "VEC3"}});
-  document.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2;
+  AddFiltered(document, "NORMAL", {{"componentType", 5120}, {"normalized", true}, {"type", "VEC3"}},
+              "EXT_meshopt_compression", "OCTAHEDRAL", octahedral.data(), 4);
   const Mesh mesh = Read(document).meshes.at(0);
   EXPECT_NEAR(mesh.normals[0].z, 1, 1e-2);
   EXPECT_NEAR(mesh.normals[1].y, 1, 1e-2);
@@ -230,13 +226,7 @@ TEST(GltfCompression, BrokenMeshoptIsNamed) {
   const auto warnings = [](const char* member, const json& value) {
     GltfDocument document = MeshoptTriangle();
     document.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][member] = value;
-    try {
-      std::string all;
-      for (const std::string& line : Read(document).warnings) all += line;
-      return all;
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
+    return Said(document);
   };
   for (const auto& [member, value] :
        std::vector<std::pair<const char*, json>>{{"count", 400},
