@@ -312,7 +312,7 @@ void RenderJob::BuildStrategies(const JobParts& parts,
     if (!note.empty()) notes_.push_back(fmt::format("{}: {}", specification, note));
     return tables;
   };
-  strategy_ = make(request_.strategy, LightSamplesOf(options()));
+  strategy_ = make(StrategyOfFrame(request_), LightSamplesOf(options()));
   if (!request_.continuation_strategy.empty()) {
     continuation_strategy_ = make(request_.continuation_strategy, 1);
   }

@@ -43,4 +43,9 @@ std::string MapFile(const JobRequest& request) {
   return NumberedFile(path, std::int64_t(frame));
 }
 
+std::string StrategyOfFrame(const JobRequest& request) {
+  if (!request.read.frame || !HasNumber(request.strategy)) return request.strategy;
+  return NumberedFile(request.strategy, std::int64_t(std::floor(*request.read.frame)));
+}
+
 }  // namespace skywave

@@ -22,5 +22,7 @@ bool IsMapSequence(const std::string& path);
 // Returns the file of the request's map: that of its frame where the map is a sequence. Throws
 // OptionError where there is no frame, or one that is no whole number.
 std::string MapFile(const JobRequest& request);
+// Returns the request's strategy, with the file of its frame where that has a #.
+std::string StrategyOfFrame(const JobRequest& request);
 
 }  // namespace skywave

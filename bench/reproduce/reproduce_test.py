@@ -11,11 +11,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from array import array
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import figures
 import measure
+import moving_map
 import page
 import report
 import reproduce
@@ -53,6 +55,34 @@ class Page(unittest.TestCase):
         self.assertIn("error of row 1: not rendered", text)
         self.assertEqual(text.count("<figure>"), 1)
         self.assertNotRegex(text.replace("http://www.w3.org/2000/svg", ""), "https?://")
+
+
+class MovingMap(unittest.TestCase):
+    def test_columns_move_to_the_left_around_the_sphere(self):
+        row = array("f", [x for column in range(4) for x in (column, 0, 0)])
+        width, height, rows = moving_map.turn((4, 1, [row]), 5)
+        self.assertEqual((width, height), (4, 1))
+        self.assertEqual(list(rows[0])[::3], [1, 2, 3, 0])
+
+    def test_a_method_is_measured_over_frames(self):
+        if not PROGRAM:
+            self.skipTest("no program")
+        with tempfile.TemporaryDirectory() as folder:
+            map_file = Path(folder) / "map.exr"
+            subprocess.run([PROGRAM, "probe", "calibrate", "-o", map_file, "--height", "32"],
+                           check=True, stdout=subprocess.DEVNULL)
+            output = io.StringIO()
+            with redirect_stdout(output):
+                moving_map.main(["--data", folder, "-o", folder, "--program", PROGRAM, "--scene",
+                                 "spheres", "--up", "y", "--map", "map.exr", "--frames", "3",
+                                 "--lights", "6", "--size", "32x24", "--samples", "1",
+                                 "--reference", "16", "--methods", "k-means", "follow", "turned"])
+        rows = [line.split("|") for line in output.getvalue().splitlines() if line[:3] == "| `"]
+        self.assertEqual([row[1].strip() for row in rows], ["`k-means`", "`follow`", "`turned`"])
+        for row in rows:
+            self.assertEqual(row[2].strip(), "6")
+            for value in row[4:7]:
+                self.assertGreater(float(value), 0)
 
 
 class Tables(unittest.TestCase):

@@ -33,7 +33,8 @@ int LightsMain(LightsFlags& flags) {
     throw InputError({}, "--residual needs --strata: without it all light is in the lights",
                      kExitUsage);
   }
-  CheckOutputs(std::array{flags.output, flags.options.residual}, std::array{flags.map.path});
+  CheckOutputs(std::array{flags.output, flags.options.residual},
+               std::array{flags.map.path, flags.request.follow});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const ProbeLights lights = MakeProbeLights(MakeSphereMap(latlong), flags.request);
   flags.options.source = flags.map.path;

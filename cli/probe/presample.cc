@@ -17,7 +17,8 @@ struct PresampleFlags {
 };
 
 int PresampleMain(PresampleFlags& flags) {
-  CheckOutputs(std::array{flags.output, flags.cells}, std::array{flags.map.path});
+  CheckOutputs(std::array{flags.output, flags.cells},
+               std::array{flags.map.path, flags.request.follow});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   const ProbeLights lights = MakeProbeLights(map, flags.request);
@@ -61,7 +62,8 @@ Command ProbePresampleCommand() {
           "  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png\n"
           "  skywave render spheres --env sky.exr --strategy presampled:file=set.json\n"
           "  skywave probe presample sky.exr -n 64 --strata variation -o bright.json\n"
-          "  skywave render spheres --env sky.exr --strategy hybrid:file=bright.json",
+          "  skywave render spheres --env sky.exr --strategy hybrid:file=bright.json\n"
+          "  skywave probe presample next.exr --follow set.json -o next.json",
       .run = [flags](const GivenOptions&) { return PresampleMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));

@@ -55,6 +55,14 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
     };
     return limit;
   };
+  // Nothing but k-means begins with samples that are there.
+  const auto by_k_means = [](OptionOf<LightRequest> follow) {
+    follow.set = [set = follow.set](LightRequest& r, const std::vector<std::string>& texts) {
+      r.lights.source = LightSource::kKMeans;
+      return set(r, texts);
+    };
+    return follow;
+  };
   Codec<double> degrees = Doubles(0, 180);
   degrees.parse = [parse = degrees.parse](const std::string& text) {
     std::optional<double> value = parse(text);
@@ -69,11 +77,12 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
   // clang-format off
   const OptionOf<LightRequest> options[] = {
     option({.name = "method", .help = "algorithm that places the lights", .default_text = ToString(defaults.source)}, FIELD(lights.source), NamesOfEnum<LightSource>()),
-    option({.name = "lights", .help = "number of lights, before clustering", .letter = 'n'}, FIELD(lights.lights), Numbers(1, 1 << 20)),
+    option({.name = "lights", .help = "number of lights, before clustering", .letter = 'n', .excludes = "follow"}, FIELD(lights.lights), Numbers(1, 1 << 20)),
     option({.name = "position", .help = "place of a light in its cell: the sampler's point, the middle of its area or of its energy", .default_text = ToString(defaults.position)}, FIELD(lights.position), NamesOfEnum<LightPosition>()),
     option({.name = "longest", .help = "sides that median cut compares: their angles on the sphere, or their lengths in (u, v)", .default_text = ToString(defaults.longest)}, FIELD(lights.longest), NamesOfEnum<LongestSide>()),
     option({.name = "lloyd", .help = "steps that move lights to their centroids"}, FIELD(lights.lloyd_steps), Numbers(0, 1000)),
     option({.name = "seed", .help = "seed of the tiling by penrose or polyomino, and of k-means"}, FIELD(lights.seed), Numbers(0u, 0xFFFFFFFFu)),
+    by_k_means(option({.name = "follow", .help = "set of the map before, as presample writes it: as many samples, by k-means that begins with them, so lights of an animation do not jump", .metavar = "JSON", .of_file = true, .excludes = "method"}, FIELD(follow), Texts("JSON"))),
     option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Codec<StrataRequest>{.values = "P|variation|LIGHTS:DEGREES", .parse = ParseStrata, .print = unprinted}),
     option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), NamesOfEnum<ClusterFrequency>()),
     cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until this many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),

@@ -63,7 +63,8 @@ std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& opti
     return Directions(PolyominoSamples(map, options.lights, options.seed));
   }
   if (options.source == LightSource::kKMeans) {
-    return KMeansSamples(map, options.lights, options.seed);
+    return options.start.empty() ? KMeansSamples(map, options.lights, options.seed)
+                                 : FollowingSamples(map, options.start);
   }
   if (options.source == LightSource::kKolligKeller) return KolligKellerSamples(map, options.lights);
   std::vector<Vector3> samples;

@@ -43,6 +43,8 @@ struct LightOptions {
   ClusterStop stop;  // used if cluster is set
   // Of a tiling, or of where k-means starts: others give other patterns of the same quality.
   std::uint64_t seed = 1;
+  // Where k-means starts in place of that, as many as there will be; empty: by `seed`.
+  std::vector<Vector3> start = {};
 };
 
 template <>

@@ -90,6 +90,28 @@ Vector3 DirectionOf(const Json& sample, const InputPosition& at, std::size_t ind
   return DirectionOfUv(u, v);
 }
 
+std::vector<Vector3> DirectionsOf(const Json& json, const InputPosition& at) {
+  std::vector<Vector3> directions;
+  for (const Json& sample : json.at("samples")) {
+    directions.push_back(DirectionOf(sample, at, directions.size()));
+  }
+  if (directions.empty()) throw InputError(at, "there are no samples");
+  return directions;
+}
+
+// Returns what `read` makes of the JSON of a file. Throws InputError for what it cannot read.
+template <class Read>
+auto ReadJson(const std::string& path, Read read) {
+  try {
+    return read(ParseOrderedJson(ReadFile(path)));
+  } catch (const Json::parse_error& error) {
+    throw InputError(InputPosition::Byte(path, error.byte), "is not JSON");
+  } catch (const Json::exception& error) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("is no light set of skywave probe presample: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 std::string LightFileText(const LightSet& set, int width, int height, const LightFileNotes& notes) {
@@ -122,14 +144,8 @@ std::string LightFileText(const LightSet& set, int width, int height, const Ligh
 
 LightSet ReadLightFile(const std::string& path, const SphereMap& map) {
   const InputPosition at = InputPosition::File(path);
-  try {
-    const Json json = ParseOrderedJson(ReadFile(path));
-    const Json& samples = json.at("samples");
-    std::vector<Vector3> directions;
-    for (const Json& sample : samples) {
-      directions.push_back(DirectionOf(sample, at, directions.size()));
-    }
-    if (directions.empty()) throw InputError(at, "there are no samples");
+  return ReadJson(path, [&](const Json& json) {
+    const std::vector<Vector3> directions = DirectionsOf(json, at);
     const auto cells = json.find("cells");
     if (cells == json.end()) return VoronoiLights(map, directions, LightPosition::kSample);
     const int width = json.at("width").get<int>(), height = json.at("height").get<int>();
@@ -139,12 +155,12 @@ LightSet ReadLightFile(const std::string& path, const SphereMap& map) {
     }
     return LightsOfCells(map, ReadCells(*cells, at, map, directions.size()), directions,
                          LightPosition::kSample);
-  } catch (const Json::parse_error& error) {
-    throw InputError(InputPosition::Byte(path, error.byte), "is not JSON");
-  } catch (const Json::exception& error) {
-    throw InputError(at,
-                     fmt::format("is no light set of skywave probe presample: {}", error.what()));
-  }
+  });
+}
+
+std::vector<Vector3> ReadLightDirections(const std::string& path) {
+  return ReadJson(path,
+                  [&](const Json& json) { return DirectionsOf(json, InputPosition::File(path)); });
 }
 
 }  // namespace skywave

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lights/tables/cells.h"
 
@@ -21,5 +22,8 @@ std::string LightFileText(const LightSet& set, int width, int height, const Ligh
 // serves the map at any exposure. Without cells in the file those of Voronoi are made. Throws
 // InputError with the place in the file, also for cells of a map of another size.
 LightSet ReadLightFile(const std::string& path, const SphereMap& map);
+
+// Returns the directions of a file, for a map of any size. Throws as ReadLightFile does.
+std::vector<Vector3> ReadLightDirections(const std::string& path);
 
 }  // namespace skywave

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <numbers>
 
+#include "lights/light_sets/light_file.h"
+
 namespace skywave {
 namespace {
 
@@ -40,12 +42,14 @@ std::optional<StrataRequest> ParseStrata(std::string_view text) {
 ProbeLights MakeProbeLights(const SphereMap& map, const LightRequest& request) {
   ProbeLights result;
   result.map_energy = map.energy;
+  LightOptions lights = request.lights;
+  if (!request.follow.empty()) lights.start = ReadLightDirections(request.follow);
   if (!request.strata) {
-    result.set = BuildLights(map, request.lights);
+    result.set = BuildLights(map, lights);
   } else {
     result.strata = DivideMap(map, *request.strata);
     const Image bright = StratumImage(map, *result.strata, true);
-    result.set = BuildLights(MakeSphereMap(bright), request.lights);
+    result.set = BuildLights(MakeSphereMap(bright), lights);
     for (std::size_t i = 0; i < map.texels(); ++i) {
       if (result.strata->in_a[i] == 0) result.set.cell_of_texel[i] = kNoCell;
     }

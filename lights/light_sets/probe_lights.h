@@ -17,6 +17,7 @@ std::optional<StrataRequest> ParseStrata(std::string_view text);
 struct LightRequest {
   LightOptions lights = {.source = LightSource::kVarianceCut};
   std::optional<StrataRequest> strata;  // set: lights for the bright part A only
+  std::string follow;                   // the file of the lights before, from which k-means starts
 };
 
 struct ProbeLights {
@@ -27,7 +28,7 @@ struct ProbeLights {
 };
 
 // The energies of the lights and of the residual add up to that of the map. Throws InputError for
-// requests out of range.
+// requests out of range, and where there is nothing to follow.
 ProbeLights MakeProbeLights(const SphereMap& map, const LightRequest& request);
 
 }  // namespace skywave

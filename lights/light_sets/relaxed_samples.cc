@@ -54,6 +54,39 @@ std::vector<std::size_t> FarTexels(const SphereMap& map, const CellMap& cells,
   return texel;
 }
 
+// Adds samples in the cells of most energy until there are `count`, or until no cell can be
+// divided; relaxes between rounds, of which each divides up to half of the cells.
+void AddSamples(const SphereMap& map, std::size_t count, std::vector<Vector3>& samples) {
+  while (samples.size() < count) {
+    const CellMap cells = VoronoiCells(map.width, map.height, samples);
+    const std::vector<CellSums> sums = SumCells(map, cells, samples.size());
+    const std::vector<std::size_t> far = FarTexels(map, cells, samples);
+    std::vector<std::size_t> order(samples.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return sums[a].energy > sums[b].energy; });
+    const std::size_t before = samples.size();
+    const std::size_t goal = std::min(count, before + std::max(std::size_t{1}, before / 2));
+    for (const std::size_t cell : order) {
+      if (samples.size() == goal) break;
+      if (far[cell] < map.texels()) samples.push_back(Direction(map, far[cell]));
+    }
+    if (samples.size() == before) break;
+    Relax(map, kStepsOfARound, samples);
+  }
+}
+
+// Returns the samples whose cells have light.
+std::vector<Vector3> LitSamples(const SphereMap& map, std::span<const Vector3> samples) {
+  const CellMap cells = VoronoiCells(map.width, map.height, samples);
+  const std::vector<CellSums> sums = SumCells(map, cells, samples.size());
+  std::vector<Vector3> lit;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (sums[i].energy > 0) lit.push_back(samples[i]);
+  }
+  return lit;
+}
+
 }  // namespace
 
 std::vector<Vector3> KMeansSamples(const SphereMap& map, int count, std::uint64_t seed) {
@@ -84,28 +117,19 @@ std::vector<Vector3> KMeansSamples(const SphereMap& map, int count, std::uint64_
   return samples;
 }
 
+std::vector<Vector3> FollowingSamples(const SphereMap& map, std::span<const Vector3> before) {
+  if (!(map.energy > 0)) return {};
+  std::vector<Vector3> samples = LitSamples(map, before);
+  AddSamples(map, before.size(), samples);
+  Relax(map, kMostSteps, samples);
+  return samples;
+}
+
 std::vector<Vector3> KolligKellerSamples(const SphereMap& map, int count) {
   if (count < 1) throw InputError({}, "Kollig and Keller's method needs at least one light");
   if (!(map.energy > 0)) return {};
   std::vector<Vector3> samples = LloydStep(map, std::vector<Vector3>{{0, 0, 1}});
-  while (samples.size() < std::size_t(count)) {
-    const CellMap cells = VoronoiCells(map.width, map.height, samples);
-    const std::vector<CellSums> sums = SumCells(map, cells, samples.size());
-    const std::vector<std::size_t> far = FarTexels(map, cells, samples);
-    std::vector<std::size_t> order(samples.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return sums[a].energy > sums[b].energy; });
-    const std::size_t before = samples.size();
-    const std::size_t goal =
-        std::min(std::size_t(count), before + std::max(std::size_t{1}, before / 2));
-    for (const std::size_t cell : order) {
-      if (samples.size() == goal) break;
-      if (far[cell] < map.texels()) samples.push_back(Direction(map, far[cell]));
-    }
-    if (samples.size() == before) break;
-    Relax(map, kStepsOfARound, samples);
-  }
+  AddSamples(map, std::size_t(count), samples);
   Relax(map, kMostSteps, samples);
   return samples;
 }

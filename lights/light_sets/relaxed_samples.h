@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lights/maps/sphere_map.h"
@@ -14,6 +15,12 @@ namespace skywave {
 // other local minima. There are fewer samples only if fewer texels have energy. Throws InputError
 // for count < 1.
 std::vector<Vector3> KMeansSamples(const SphereMap& map, int count, std::uint64_t seed = 1);
+
+// The same, but starts from the samples of another map, such as that of the frame before: where the
+// light moves a little they move with it, and lights of an animation do not jump (after Ghosh,
+// Doucet and Heidrich 2006). There are as many as before where as many texels have energy: a sample
+// that is left in the dark starts anew, where the others are farthest from the light.
+std::vector<Vector3> FollowingSamples(const SphereMap& map, std::span<const Vector3> before);
 
 // After Kollig and Keller 2003: starts from one sample and adds others in the cells of most energy,
 // relaxing between. Theirs adds one at a time; here a round divides up to half as many cells as

@@ -223,6 +223,30 @@ TEST_F(ProbeCommand, PresampledCellsGiveThePictureOfThoseThatTheStrategyMakes) {
   }
 }
 
+TEST_F(ProbeCommand, PresampleFollowsTheSetOfTheMapBefore) {
+  const auto set_of = [&](const char* name) { return nlohmann::json::parse(ReadFile(File(name))); };
+  ASSERT_EQ(Probe("presample sun.exr --method k-means -n 12 -o set.json"), 0) << out_;
+  ASSERT_EQ(Probe("presample sun.exr --follow set.json -o next.json"), 0) << out_;
+  const auto set = set_of("set.json"), next = set_of("next.json");
+  EXPECT_EQ(next["method"], "k-means");
+  ASSERT_EQ(next["samples"].size(), set["samples"].size());
+  for (std::size_t i = 0; i < set["samples"].size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(double(next["samples"][i]["direction"][axis]),
+                  double(set["samples"][i]["direction"][axis]), 0.01);
+    }
+  }
+  const std::string before = ReadFile(File("set.json"));
+  for (const char* both :
+       {"--follow set.json -n 9 -o out.json", "--follow set.json --method penrose -o out.json",
+        "--follow set.json -o set.json"}) {
+    EXPECT_EQ(Probe(std::string("presample sun.exr ") + both), kExitUsage) << both;
+  }
+  EXPECT_EQ(Probe("presample sun.exr --follow none.json -o out.json"), kExitIo) << out_;
+  EXPECT_NE(out_.find("none.json"), std::string::npos) << out_;
+  EXPECT_EQ(ReadFile(File("set.json")), before);
+}
+
 TEST_F(ProbeCommand, AMapIsNeverOverwritten) {
   const std::string before = ReadFile(File("sun.exr"));
   for (const char* name : {"right", "left", "up", "down", "front", "back"}) {

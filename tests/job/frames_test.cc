@@ -1,8 +1,10 @@
 // Tests what the number of a frame decides: the file of a map that moves, the noise, and which
 // parts frames have in common.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,11 +56,43 @@ TEST_F(Frames, NumberTheFilesOfAMapThatMoves) {
   ExpectRefused(without, "`frame N`");
 }
 
+TEST_F(Frames, NumberTheFilesOfLightsThatMove) {
+  const auto at = [&](const char* strategy, std::optional<double> frame) {
+    JobRequest request;
+    request.strategy = strategy, request.read.frame = frame;
+    return StrategyOfFrame(request);
+  };
+  EXPECT_EQ(at("presampled:file=sets/set_####.json,mode=fixed", 7),
+            "presampled:file=sets/set_0007.json,mode=fixed");
+  EXPECT_EQ(at("hybrid:file=set_##.json", 12.75), "hybrid:file=set_12.json");
+  EXPECT_EQ(at("importance:compensate=1", 7), "importance:compensate=1");
+  EXPECT_EQ(at("hybrid:file=set_##.json", std::nullopt), "hybrid:file=set_##.json");
+}
+
 std::vector<std::uint64_t> Sums(const JobRequest& request) {
   const RenderJob job(request);
   Film film = job.MakeFilm();
   RenderFrame(job.frame(), film);
   return {film.sums().begin(), film.sums().end()};
+}
+
+// The strategy of a frame is that of its file.
+TEST_F(Frames, AreLitByTheLightsOfTheirFiles) {
+  for (const int frame : {1, 2}) {
+    folder_.Write(fmt::format("set_{:02}.json", frame),
+                  fmt::format(R"({{"samples": [{{"uv": [0.5, {}]}}]}})", 0.2 * frame));
+  }
+  JobRequest request = SmallRequest(16, 12, 2);
+  request.scene = "spheres";
+  request.coherent_noise = true;
+  const auto by = [&](const char* name, double frame) {
+    request.read.frame = frame;
+    request.strategy = "presampled:mode=fixed,file=" + folder_.Path(name);
+    return Sums(request);
+  };
+  EXPECT_EQ(by("set_##.json", 1), by("set_01.json", 1));
+  EXPECT_EQ(by("set_##.json", 2), by("set_02.json", 2));
+  EXPECT_NE(by("set_##.json", 2), by("set_01.json", 2));
 }
 
 TEST_F(Frames, HaveNoiseOfTheirOwnUnlessItIsToBeCoherent) {

@@ -87,6 +87,27 @@ TEST_F(LightFile, WithoutCellsThoseOfVoronoiAreMade) {
   ExpectSame(Read(json.dump(), map_), expected);
 }
 
+// A set of a map of any size is where that of the next one begins.
+TEST_F(LightFile, IsFollowedByTheLightsOfAnotherMap) {
+  const LightSet set =
+      MakeProbeLights(map_, {.lights = {.source = LightSource::kPenrose, .lights = 20}}).set;
+  WriteFileAtomically(path_, LightFileText(set, 64, 32, {}));
+  const std::vector<Vector3> directions = ReadLightDirections(path_);
+  ASSERT_EQ(directions.size(), set.lights.size());
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    EXPECT_EQ(directions[i], set.lights[i].direction);
+  }
+  const Image other = test::SunMap(32, 16, 100);
+  const SphereMap next = MakeSphereMap(other);
+  const LightRequest request = {
+      .lights = {.source = LightSource::kKMeans, .lights = 3}, .strata = {}, .follow = path_};
+  const LightSet following = MakeProbeLights(next, request).set;
+  EXPECT_EQ(following.lights.size(), set.lights.size());
+  LightRequest nowhere = request;
+  nowhere.follow = folder_.Path("none.json");
+  EXPECT_THROW(MakeProbeLights(next, nowhere), InputError);
+}
+
 TEST_F(LightFile, BadFilesAreNamedWithTheirFault) {
   const std::string cells =
       R"({"width": 64, "height": 32, "samples": [{"uv": [0.5, 0.5]}], "cells": )";

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <vector>
 
 #include "base/error.h"
 #include "lights/light_sets/voronoi.h"
@@ -107,6 +108,61 @@ TEST(RelaxedSamples, OtherSeedsOfKMeansStartElsewhere) {
   const SphereMap map = MakeSphereMap(image);
   EXPECT_EQ(KMeansSamples(map, 9, 1), KMeansSamples(map, 9, 1));
   EXPECT_NE(KMeansSamples(map, 9, 1), KMeansSamples(map, 9, 2));
+}
+
+// A sun that moves by two texels of 5.6 degrees, in a sky that stands still.
+Image SkyWithSun(int column) {
+  Image image = test::ConstantMap(64, 32, 0.1f);
+  for (int c = 0; c < 3; ++c) image.Pixel(column, 10)[c] = 500;
+  return image;
+}
+
+// Returns how far the samples have moved [rad], each from where it was.
+std::vector<double> Moves(const std::vector<Vector3>& from, const std::vector<Vector3>& to) {
+  std::vector<double> moves;
+  for (std::size_t i = 0; i < from.size() && i < to.size(); ++i) {
+    moves.push_back(AngleBetween(from[i], to[i]));
+  }
+  return moves;
+}
+
+TEST(RelaxedSamples, ThatFollowMoveWithTheLight) {
+  const Image before = SkyWithSun(20), after = SkyWithSun(22);
+  const SphereMap map = MakeSphereMap(before), next = MakeSphereMap(after);
+  std::vector<Vector3> samples = KMeansSamples(map, 24);
+  for (int i = 0; i < 4; ++i) samples = FollowingSamples(map, samples);  // until they stand still
+  const std::vector<Vector3> following = FollowingSamples(next, samples);
+  ASSERT_EQ(following.size(), samples.size());
+  for (const double move : Moves(samples, following)) EXPECT_LT(move, 0.25);
+  const std::vector<Vector3> still = FollowingSamples(map, samples);
+  for (const double move : Moves(samples, still)) EXPECT_LT(move, 0.02);
+  const std::vector<Vector3> moved = LloydStep(next, following);
+  for (const double move : Moves(following, moved)) EXPECT_LT(move, 0.02);
+  const auto nearest_sun = [&](const std::vector<Vector3>& all) {
+    double nearest = 4;
+    for (const Vector3& s : all) {
+      nearest = std::min(nearest, AngleBetween(s, next.TexelCentre(22, 10)));
+    }
+    return nearest;
+  };
+  EXPECT_LT(nearest_sun(following), 0.01);
+}
+
+TEST(RelaxedSamples, ThatFollowStartAnewWhereTheirLightIsOut) {
+  Image half = test::NoiseMap(64, 32, 3);
+  const SphereMap map = MakeSphereMap(half);
+  const std::vector<Vector3> samples = KMeansSamples(map, 20);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      for (int c = 0; c < 3; ++c) half.Pixel(x, y)[c] = 0;
+    }
+  }
+  const SphereMap next = MakeSphereMap(half);
+  const std::vector<Vector3> following = FollowingSamples(next, samples);
+  EXPECT_EQ(following.size(), samples.size());
+  EXPECT_EQ(VoronoiLights(next, following, LightPosition::kSample).lights.size(), samples.size());
+  const Image black = test::ConstantMap(8, 4, 0);
+  EXPECT_TRUE(FollowingSamples(MakeSphereMap(black), samples).empty());
 }
 
 TEST(RelaxedSamples, NoLightsAreRefused) {
