@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -22,6 +23,7 @@
 #include "job/denoise/catchers.h"
 #include "job/denoise/denoise.h"
 #include "job/denoise/frames.h"
+#include "job/denoise/groups.h"
 #include "job/exposure.h"
 #include "job/picture.h"
 
@@ -72,6 +74,9 @@ std::vector<std::string> LayersOfNoisy(const std::string& path, const DenoiseFla
   if (missing != wanted.end()) throw MissingLayer(path, *missing);
   std::vector<std::string> others = flags.steady > 0 ? FlowChannels() : std::vector<std::string>();
   others.emplace_back(kAlpha);
+  if (flags.steady == 0 && !shows_catchers) {
+    std::copy_if(names.begin(), names.end(), std::back_inserter(others), IsOfLightGroup);
+  }
   if (shows_catchers) {
     // A picture that shows its background has alpha and foreground as layers.
     for (std::string& other : ChannelsOf(CatcherAovs() & ~of_catchers)) {
@@ -114,7 +119,8 @@ std::vector<std::string> WriteClean(const DenoiseFlags& flags, Denoiser by, Nois
   // The others are noisy.
   const std::vector<std::string> clean = ChannelsOf(CatcherAovs());
   std::erase_if(picture.layers, [&](const NamedChannel& layer) {
-    return std::find(clean.begin(), clean.end(), layer.name) == clean.end();
+    return !IsOfLightGroup(layer.name) &&
+           std::find(clean.begin(), clean.end(), layer.name) == clean.end();
   });
   for (NamedChannel& channel : cleaning.error) picture.layers.push_back(std::move(channel));
   WriteExrAndPng(cleaned.output, picture);

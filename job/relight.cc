@@ -16,11 +16,10 @@
 #include "base/nearest_name.h"
 #include "image/weighted_sums.h"
 #include "job/film_file.h"
+#include "wavefront/film/light_groups.h"
 
 namespace skywave {
 namespace {
-
-constexpr std::string_view kPrefix = "lights-";
 
 std::string_view WithoutBlanks(std::string_view text) {
   const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -60,7 +59,7 @@ Picture PictureOfFilm(const std::string& path, const FilmInFile& read) {
 Picture PictureOfExr(const std::string& path, const ReadLimits& limits) {
   std::vector<std::string> wanted;
   for (const std::string& name : ReadLayerNames(path, limits)) {
-    if (name.starts_with(kPrefix) || name == "A") wanted.push_back(name);
+    if (name.starts_with(kLightGroupPrefix) || name == "A") wanted.push_back(name);
   }
   LayeredImage read = ReadOwnColors(path, wanted, limits);
   Picture picture;
@@ -76,9 +75,10 @@ Picture PictureOfExr(const std::string& path, const ReadLimits& limits) {
 LitPicture ByLights(Picture picture) {
   LitPicture lit;
   for (const NamedChannel& layer : picture.layers) {
-    if (!layer.name.starts_with(kPrefix)) continue;
+    if (!layer.name.starts_with(kLightGroupPrefix)) continue;
     const std::size_t dot = layer.name.rfind('.');
-    const std::string group = layer.name.substr(kPrefix.size(), dot - kPrefix.size());
+    const std::size_t begin = kLightGroupPrefix.size();
+    const std::string group = layer.name.substr(begin, dot - begin);
     const std::size_t channel = std::string_view("RGB").find(layer.name.substr(dot + 1));
     if (dot == std::string::npos || channel >= 3) continue;
     if (lit.groups.empty() || lit.groups.back() != group) {
@@ -122,8 +122,8 @@ void CheckSum(const std::string& path, const LitPicture& lit) {
   }
   if (difference <= kRounding * level) return;
   throw InputError(InputPosition::File(path),
-                   "its groups of lights do not add up to the picture: it was denoised, has "
-                   "catchers, or another program has divided it by its alpha");
+                   "its groups of lights do not add up to the picture: it has catchers, or another "
+                   "program has denoised it or divided it by its alpha");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct LitPicture {
 };
 
 // Reads an EXR or a film with the layers of its groups. Throws InputError where there are none, and
-// where they do not add up to the picture, as those of denoised ones.
+// where they do not add up to the picture, as those of pictures with catchers.
 LitPicture ReadLitPicture(const std::string& path, const ReadLimits& limits);
 
 // Returns the picture with these weights; groups without one have 1. Throws OptionError of

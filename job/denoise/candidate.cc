@@ -82,6 +82,7 @@ Denoised PictureOf(const DenoiserPlanes& planes, const OutlierExcess& outliers,
   const PlaneShape& shape = planes.shape;
   Denoised result = {.image = Image(shape.width, shape.height),
                      .error = {},
+                     .groups = {},
                      .outliers = outliers.outliers,
                      .oidn = ""};
   if (with_error) result.error = {{"error.R", {}}, {"error.G", {}}, {"error.B", {}}};

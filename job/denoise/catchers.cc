@@ -142,6 +142,7 @@ Cleaning CleanPicture(Denoiser by, const std::string& name, Image& image, std::v
   }
   if (!catchers || !has_alpha) {
     clean = Denoise(by, name, image, layers);
+    if (!catchers) Replace(std::move(clean.groups), layers);
     const std::vector<std::string> more = NotesOf(clean);
     notes.insert(notes.end(), more.begin(), more.end());
   }

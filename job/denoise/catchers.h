@@ -25,7 +25,8 @@ struct Cleaning {
 
 // Replaces a picture by a clean one; see Denoise for errors. `layers` are the channels of
 // DenoiserLayers. Of one with catchers the layers shadow, difference, alpha and foreground are
-// replaced as well, as far as they are there: with `alpha`, the image is the foreground. What
+// replaced as well, as far as they are there: with `alpha`, the image is the foreground. Without
+// catchers those of groups of lights are (job/denoise/groups.h). What
 // objects change has both signs, which Open Image Denoise does not know, so statistics clean that
 // whatever the method is.
 Cleaning CleanPicture(Denoiser by, const std::string& name, Image& image, std::vector<float>& alpha,

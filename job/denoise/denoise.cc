@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "job/denoise/candidate.h"
+#include "job/denoise/groups.h"
 #include "job/denoise/oidn.h"
 #include "job/denoise/outliers.h"
 #include "job/denoise/planes.h"
@@ -156,6 +157,7 @@ Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
   double shares[3] = {};
   const Candidate clean = Clean(by, input, planes, shares);
   Denoised result = PictureOf(planes, outliers, clean, /*with_error=*/by != Denoiser::kQuick);
+  if (noise.prefix.empty()) result.groups = CleanGroups(name, input, planes, result.image, layers);
   if (by != Denoiser::kStatistics) result.oidn = OidnVersion();
   std::copy_n(shares, 3, result.shares);
   return result;

@@ -37,7 +37,8 @@ inline constexpr char kOidnVersion[] = "openImageDenoise";
 Denoiser ResolveDenoiser(Denoiser by);
 
 // Returns the clean picture by a method that is resolved. `layers` are channels by the names of
-// DenoiserChannels, in any order, and may be others too. Throws InputError about `name` if one is
+// DenoiserChannels, in any order, and may be others too; groups of lights are clean if the noise is
+// that of the whole picture. Throws InputError about `name` if one is
 // missing or has another size, if a value is not finite, or where a pixel has too few samples.
 Denoised Denoise(Denoiser by, const std::string& name, const Image& image,
                  std::span<const NamedChannel> layers, const NoiseLayers& noise = {});

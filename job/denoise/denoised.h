@@ -15,6 +15,8 @@ struct Denoised {
   // estimated, and 1.96 times as much on both sides makes an interval of about 95 %. kQuick has
   // none.
   std::vector<NamedChannel> error;
+  // The channels of groups of lights, which add up to the image; see CleanGroups.
+  std::vector<NamedChannel> groups;
   std::uint64_t outliers = 0;  // half pixels that were too bright
   double spread_share = 0;     // of the picture's energy, which was spread around them
   std::string oidn;            // the version of Open Image Denoise that took part; empty: none

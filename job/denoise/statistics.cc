@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -30,12 +31,17 @@ void SmoothNoises(const DenoiserInput& input, DenoiserPlanes& planes) {
   }
 }
 
+namespace {
+
+HalfTables NewHalves(const PlaneShape& shape) { return {NewHalf(shape), NewHalf(shape)}; }
+
+}  // namespace
+
 HalfTables FilterHalves(const DenoiserPlanes& planes) {
   const PlaneShape& shape = planes.shape;
   const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
   HalfPlanes in[2] = {noisy[0], noisy[1]};
-  HalfTables filtered, next;
-  for (int h = 0; h < 2; ++h) filtered[h] = NewHalf(shape), next[h] = NewHalf(shape);
+  HalfTables filtered = NewHalves(shape), next = NewHalves(shape);
   // Calls filter(out), which reads `in`; the next filter reads what this one has written.
   const auto run = [&](const auto& filter) {
     filter({next[0].columns(), next[1].columns()});
@@ -59,6 +65,41 @@ HalfTables FilterHalves(const DenoiserPlanes& planes) {
     });
   });
   return filtered;
+}
+
+std::vector<HalfTables> FilterGuides(const DenoiserPlanes& planes) {
+  std::vector<HalfTables> guides;
+  HalfPlanes in[2] = {planes.halves[0], planes.halves[1]};
+  for (std::size_t i = 0; i + 1 < std::size(kFilterLevels); ++i) {
+    const HalfTables& out = guides.emplace_back(NewHalves(planes.shape));
+    ForEachTile(planes.shape, [&](const FilterTile& tile) {
+      CrossFilter(planes.shape, planes.features, in, kFilterLevels[i], tile, {out[0], out[1]});
+    });
+    for (int h = 0; h < 2; ++h) RepeatEdges(planes.shape, out[h]), in[h] = out[h];
+  }
+  return guides;
+}
+
+void FilterByGuides(const DenoiserPlanes& planes, const std::vector<HalfTables>& guides,
+                    const soa::Table<HalfPlanes>& part) {
+  const PlaneShape& shape = planes.shape;
+  const HalfTables by = NewHalves(shape);  // the weights of each half
+  const soa::Table<HalfPlanes> unused = NewHalf(shape);
+  for (std::size_t i = 0; i < std::size(kFilterLevels); ++i) {
+    const HalfTables& guide = i == 0 ? planes.halves : guides[i - 1];
+    ForEachTile(shape, [&](const FilterTile& tile) {
+      // What is in the place of one half is averaged by the weights of the other one.
+      const FilterLevel& level = kFilterLevels[i];
+      CrossFilter(shape, planes.features, {part, guide[1]}, level, tile, {by[1], unused});
+      CrossFilter(shape, planes.features, {guide[0], part}, level, tile, {unused, by[0]});
+    });
+    ForEachPixel(shape, [&](std::size_t, std::size_t at) {
+      part->r[at] = 0.5f * (by[0]->r[at] + by[1]->r[at]);
+      part->g[at] = 0.5f * (by[0]->g[at] + by[1]->g[at]);
+      part->b[at] = 0.5f * (by[0]->b[at] + by[1]->b[at]);
+    });
+    RepeatEdges(shape, part);
+  }
 }
 
 }  // namespace skywave

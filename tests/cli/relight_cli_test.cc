@@ -92,6 +92,40 @@ TEST_F(RelightCli, TakesPicturesWithStraightAlpha) {
   EXPECT_FALSE(IsStraight(ReadExrMetadata(Path("divided_lit.exr"))));
 }
 
+// By render and by denoise, from the EXR and from the film.
+TEST_F(RelightCli, TakesPicturesThatWereDenoised) {
+  const std::string render = "render lamps --size 40x30 --spp 16 -q ";
+  ASSERT_EQ(Run(render + "--aovs lights --denoise --film clean.film -o clean.exr").exit_code, 0);
+  ASSERT_EQ(Run(render + "--aovs lights,denoiser -o noisy.exr").exit_code, 0);
+  ASSERT_EQ(Run("denoise noisy.exr -q -o later.exr").exit_code, 0);
+  const std::string weights = " --weights " + lamp_ + "=0.25 -q -o ";
+  const Image clean = ReadImage(Path("clean.exr"));
+  for (const std::string from : {"clean.exr", "clean.film", "later.exr"}) {
+    const Result same = Run("relight " + from + " -q -o same.exr");
+    ASSERT_EQ(same.exit_code, 0) << from << same.err;
+    const Image again = ReadImage(Path("same.exr"));
+    for (std::size_t i = 0; i < clean.rgb.size(); ++i) {
+      ASSERT_NEAR(again.rgb[i], clean.rgb[i], 1e-5 * (1 + clean.rgb[i])) << from;
+    }
+    ASSERT_EQ(Run("relight " + from + weights + "dim.exr").exit_code, 0);
+    ASSERT_EQ(Run("relight noisy.exr" + weights + "noisy_dim.exr").exit_code, 0);
+    double sum = 0, noisy_sum = 0;
+    for (const float value : ReadImage(Path("dim.exr")).rgb) sum += value;
+    for (const float value : ReadImage(Path("noisy_dim.exr")).rgb) noisy_sum += value;
+    EXPECT_NEAR(sum / noisy_sum, 1, 0.05) << from;
+  }
+}
+
+// Layers that nothing has cleaned are not in a clean picture.
+TEST_F(RelightCli, RefusesCleanPicturesWithCatchers) {
+  const std::string render = "render spheres --catcher floor --size 40x30 --spp 16 -q ";
+  ASSERT_EQ(Run(render + "--aovs lights,denoiser -o noisy.exr").exit_code, 0);
+  ASSERT_EQ(Run("denoise noisy.exr -q -o clean.exr").exit_code, 0);
+  const Result result = Run("relight clean.exr -q -o x.exr");
+  EXPECT_EQ(result.exit_code, kExitBadInput);
+  EXPECT_NE(result.err.find("has no groups of lights"), std::string::npos) << result.err;
+}
+
 TEST_F(RelightCli, MakesAPictureOfEachRowOfATable) {
   Put("day.csv", lamp_ + "\n1\n0.5\n0\n");
   ASSERT_EQ(Run("relight lamps.exr --sky day.csv -o hour_##.exr -q").exit_code, 0);

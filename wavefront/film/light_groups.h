@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kernels/columns.h"
@@ -18,6 +19,9 @@
 #include "wavefront/soa.h"
 
 namespace skywave {
+
+// The layer of a group has this in front of the group's name.
+inline constexpr std::string_view kLightGroupPrefix = "lights-";
 
 // A film keeps three sums per group and pixel; further groups go into the last one. The patches of
 // a sky are not counted.
